@@ -1,0 +1,94 @@
+// What an approximate algorithm is to the rest of the program: a row of data.
+//
+// To add one: a file pair whose .cpp ends in a function that returns its row, and one line in all.cpp.
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "geometry/bodies.hpp"
+
+namespace algorithms {
+
+using geometry::Bodies;
+using geometry::Pair;
+using geometry::PairRun;
+using geometry::Pose;
+
+/// conservative: never misses a pair that truly meets (outside rounding); exact: neither misses nor invents.
+enum class Promise { none, conservative, exact };
+
+/// pair: visits every pair; scene: has a broad phase of its own.
+enum class Scope { pair, scene };
+
+std::string_view text(Promise promise);
+std::string_view text(Scope scope);
+
+/// The value of a knob.
+using Value = std::variant<bool, std::int64_t, double, std::string>;
+
+/// A parameter of an algorithm. The type of `preset` is the knob's type.
+struct Knob {
+  std::string name;
+  Value preset;                       // used when the configuration is silent
+  std::string unit;                   // "1" for counts and flags
+  std::string what;                   // one line
+  double least = -std::numeric_limits<double>::infinity();  // of numbers, inclusive
+  double most = std::numeric_limits<double>::infinity();
+  std::vector<std::string> choices;   // of texts; empty: not a text
+  bool (*valid)(const Value&) = nullptr;  // a further rule, stated in `rule`
+  std::string rule;
+};
+
+/// Every knob of an algorithm with its value.
+using Knobs = std::map<std::string, Value, std::less<>>;
+
+/// One algorithm, set up for the bodies of a run. Not shared between threads.
+class Method {
+ public:
+  virtual ~Method() = default;
+
+  /// The work that depends on one body only, for all bodies of a step. With `enlarge` > 0 boxes and radii grow by
+  /// enlarge * (size + |t|): asked of conservative methods only, to tell a rounding miss from a broken promise.
+  virtual void prepare(std::span<const Pose> poses, double enlarge = 0) = 0;
+
+  /// Appends to `hits` the pairs among `runs` that the algorithm reports, each once. After prepare.
+  virtual void answer(std::span<const PairRun> runs, std::vector<Pair>& hits) = 0;
+
+  /// The same answers, and how many elementary tests they took (unit: Algorithm::operations_unit). Not timed.
+  virtual std::uint64_t count(std::span<const PairRun> runs, std::vector<Pair>& hits) = 0;
+};
+
+/// One row of the table of algorithms.
+struct Algorithm {
+  std::string name;             // file name, TOML name and HDF5 name
+  std::string thesis_key;       // the letter of the thesis, or empty
+  std::string what;             // one line
+  std::string operations_unit;  // what `count` counts
+  Promise promise = Promise::none;
+  Scope scope = Scope::pair;
+  std::vector<Knob> knobs;
+  std::unique_ptr<Method> (*make)(const Bodies& bodies, const Knobs& knobs) = nullptr;
+};
+
+/// Every algorithm, in the thesis's order; those of other sources follow.
+const std::vector<Algorithm>& all();
+
+/// The row of that name, or nullptr.
+const Algorithm* find(std::string_view name);
+
+/// The knobs of `algorithm`, all at their presets.
+Knobs presets(const Algorithm& algorithm);
+
+/// `value` as the knob's type when it is allowed (an integer serves a real knob); otherwise throws
+/// std::invalid_argument with the rule, e.g. "must be between 1 and 1000000".
+Value checked(const Knob& knob, const Value& value);
+
+}  // namespace algorithms

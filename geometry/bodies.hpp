@@ -1,0 +1,42 @@
+// The bodies of a run as columns, and the pairs of bodies that a step asks about.
+#pragma once
+#include <compare>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/mesh.hpp"
+
+namespace geometry {
+
+/// Everything about the bodies that does not change from step to step. Columns have one entry per body.
+struct Bodies {
+  std::vector<Mesh> meshes;          // distinct meshes, shared by bodies
+  std::vector<std::string> name;     // unique
+  std::vector<std::uint32_t> mesh;   // index into `meshes`
+  std::vector<std::uint8_t> fixed;   // 1: never moves
+  std::vector<std::uint8_t> chosen;  // empty: all pairs count; else a pair counts when one of its bodies has 1 here
+
+  std::size_t size() const { return mesh.size(); }
+  const Mesh& mesh_of(std::uint32_t body) const { return meshes[mesh[body]]; }
+};
+
+/// Two bodies, a < b.
+struct Pair {
+  std::uint32_t a = 0, b = 0;
+  auto operator<=>(const Pair&) const = default;
+};
+
+/// The pairs (a, b) with first <= b < last; a < first. A step's pairs as runs take memory by the body, not by the pair.
+struct PairRun {
+  std::uint32_t a = 0, first = 0, last = 0;
+};
+
+/// The pairs that count at a step: both born, not both fixed, and one of them chosen. Sorted by a, then by b.
+std::vector<PairRun> pair_runs(const Bodies& bodies, std::span<const Pose> poses);
+
+/// How many pairs the runs hold.
+std::uint64_t pair_count(std::span<const PairRun> runs);
+
+}  // namespace geometry

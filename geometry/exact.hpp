@@ -1,0 +1,21 @@
+// The exact answer for two triangles: do they share a point?
+//
+// Triangles are closed sets: touching counts. The answer is exact for the doubles given, also for triangles
+// degenerated to a segment or a point. CGAL's predicates decide (kernel Epick); they are wrong for degenerate
+// triangles, which are answered by separating axes in exact arithmetic (CGAL::Mpzf) instead.
+#pragma once
+#include <array>
+
+#include "geometry/pose.hpp"
+
+namespace geometry {
+
+using Triangle = std::array<Vec3, 3>;
+
+/// True when the corners lie exactly on one line (or in one point).
+bool is_degenerate(const Triangle& t);
+
+/// True when the closed triangles share a point. Coordinates are finite.
+bool triangles_meet(const Triangle& a, const Triangle& b);
+
+}  // namespace geometry

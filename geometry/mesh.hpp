@@ -1,0 +1,46 @@
+// Triangle meshes in their own frame, and what can be known of them without a pose.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "geometry/box.hpp"
+#include "geometry/pose.hpp"
+
+namespace geometry {
+
+/// Three indices into a mesh's vertices.
+using Facet = std::array<std::uint32_t, 3>;
+
+/// A mesh. Facets are counted from 0 in this order: algorithms that sample facets depend on it.
+struct Mesh {
+  std::string name;              // [A-Za-z0-9_.+-]{1,64}, unique in a run
+  std::vector<Vec3> vertices;    // metres
+  std::vector<Facet> triangles;  // counter-clockwise seen from outside
+  std::string shape;             // JSON: kind and parameters of a built-in shape, or the file
+  // Greatest distance of a surface point of the mesh from the surface of the shape it approximates, in metres;
+  // NaN where there is no such shape (mesh files).
+  double surface_deviation = std::numeric_limits<double>::quiet_NaN();
+  double sphere_radius = 0;  // metres; the nominal radius when the shape is a sphere, else 0
+};
+
+/// The smallest box around the vertices.
+Box local_box(const Mesh& mesh);
+
+/// Per axis the larger of |min| and |max| of the vertices: half a box centred on the body's position, metres.
+Vec3 half_extents(const Mesh& mesh);
+
+/// True when every edge belongs to exactly two facets, which run along it in opposite directions.
+bool is_closed(const Mesh& mesh);
+
+/// The number of facets without area (exactly: their corners lie on one line).
+std::size_t degenerate_facets(const Mesh& mesh);
+
+/// Radius of the greatest ball about the local origin that holds no surface point, from the planes of the facets,
+/// rounded down. It is inside a closed convex mesh around its origin. Metres.
+double inscribed_radius(const Mesh& mesh);
+
+}  // namespace geometry

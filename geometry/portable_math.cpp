@@ -1,0 +1,1 @@
+#include "geometry/portable_math.hpp"

@@ -1,0 +1,75 @@
+// A configuration as values, read from TOML and validated completely before anything runs.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "algorithms/algorithm.hpp"
+#include "pipeline/simulate.hpp"
+
+namespace pipeline {
+
+/// One set of the falling scene: spheres lying on the plate and others above them.
+struct FallingSet {
+  std::array<std::int64_t, 2> lying{1, 1};     // counts along x and z
+  std::array<std::int64_t, 3> above{1, 1, 1};  // counts along x, y and z
+  std::array<double, 2> corner{0, 0};          // x and z of the first sphere, m
+  double spacing = 2.1;                        // m
+  double height = 5;                           // y of the lowest sphere above, m
+};
+
+/// kind = "falling": a fixed plate with its top at y = 0 and sets of spheres.
+struct FallingScene {
+  std::int64_t segments = 16;               // of the sphere's mesh
+  double radius = 1;                        // m
+  double density = 1000;                    // kg/m^3
+  std::array<double, 3> plate{60, 2, 60};   // size, m
+  double shift = 0.15;                      // m, of the spheres above in x and z, or all balances on points
+  std::vector<FallingSet> sets;             // the thesis's three when the configuration names none
+};
+
+/// The physical radius of a contact sphere: the shape's, or that of the greatest ball inside its mesh.
+enum class ContactRadius { nominal, inscribed };
+
+enum class Containment { ignore };
+
+/// One [[algorithm]].
+struct AlgorithmChoice {
+  std::string name;
+  std::string label;         // defaults to the name
+  algorithms::Knobs knobs;   // all of them, presets filled in
+};
+
+struct Config {
+  std::filesystem::path path;  // as given
+  std::string text;            // as read
+  std::string effective;       // the whole configuration after defaults and --set, as TOML; reading it gives this Config
+  std::string title;
+  std::int64_t seed = 1;
+  std::int64_t steps = 600;  // samples, step 0 included
+  double rate = 60;          // samples per second
+  FallingScene scene;
+  Physics physics;
+  ContactRadius contact_radius = ContactRadius::inscribed;
+  Containment containment = Containment::ignore;
+  std::int64_t repeats = 3;
+  std::vector<AlgorithmChoice> algorithms;
+};
+
+/// Reads and validates. `sets` are --set arguments, "dotted.key=TOML value" (a bare word is taken as a string).
+/// Throws Error(kInput) with file:line:column (or the --set), the value, the rule and the nearest known key.
+Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets = {});
+
+/// Reads TOML text as if from `path`. For tests and for configurations kept in result files.
+Config parse_config(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets = {});
+
+/// An --algorithm argument, "NAME[:knob=value,...][@LABEL]". Throws Error(kInput) naming the argument.
+AlgorithmChoice parse_algorithm(const std::string& argument);
+
+/// Knobs as a JSON object, keys sorted.
+std::string knobs_json(const algorithms::Knobs& knobs);
+
+}  // namespace pipeline

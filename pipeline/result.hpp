@@ -1,0 +1,91 @@
+// A result in memory: what the HDF5 file holds (README, "The file"). S steps, B bodies, A algorithms.
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/bodies.hpp"
+#include "pipeline/simulate.hpp"
+
+namespace pipeline {
+
+using geometry::Pair;
+
+/// One list of pairs per step: those of step s are pair[offset[s]] ... pair[offset[s + 1] - 1]; sorted, unique, a < b.
+struct PairLists {
+  std::vector<std::uint64_t> offset{0};  // S + 1
+  std::vector<Pair> pair;
+
+  std::size_t steps() const { return offset.size() - 1; }
+  void append(std::span<const Pair> step) {
+    pair.insert(pair.end(), step.begin(), step.end());
+    offset.push_back(pair.size());
+  }
+  std::span<const Pair> at(std::size_t step) const {
+    return std::span(pair).subspan(offset[step], offset[step + 1] - offset[step]);
+  }
+};
+
+/// The machine and build that timed something.
+struct Machine {
+  std::string host, processor, build, date;
+};
+
+/// What one algorithm said: a group of /answers and a column of /results.
+struct Answers {
+  std::string label, name, knobs, promise, thesis_key, operations_unit, scope;  // knobs: JSON
+  Machine machine;
+  PairLists hits;
+  // columns, S
+  std::vector<std::int64_t> time_ns, time_median_ns, prepare_ns;
+  std::vector<std::uint64_t> operations, true_positive, false_positive, false_negative, rounding_miss;
+};
+
+/// One row of /summary. A ratio 0/0 is NaN, but the error is then 0.
+struct Summary {
+  std::uint64_t hits = 0, true_positive = 0, false_positive = 0, false_negative = 0, operations = 0;
+  double error = 0, precision = 0, recall = 0, matthews = 0;
+  double time_mean_ns = 0, time_median_ns = 0, time_p95_ns = 0;
+  bool promise_kept = true;
+};
+
+struct Truth {
+  PairLists hits;
+  std::vector<std::int64_t> time_ns;  // S
+};
+
+struct PhysicsRows {
+  std::vector<PhysicsSample> rows;  // S
+  std::string status;               // "complete", or "failed at step K: why"
+};
+
+/// Where a result comes from; attributes of the root and of /run.
+struct Provenance {
+  std::string creator, git_commit, build_type, compiler, flags;
+  std::string library_versions;  // JSON object
+  std::string config_sha256;     // of the configuration's text
+  std::string inputs_sha256;     // JSON object: file -> SHA-256, every mesh and CSV read
+  std::string date, host, processor;  // of the run
+  double wall_time_s = 0;
+};
+
+struct Result {
+  std::string title;
+  std::string config_text, config_effective;
+  double rate = 60;  // samples per second; time = step / rate
+  geometry::Bodies bodies;
+  std::vector<std::int64_t> first_step;         // B; -1 if never born
+  std::vector<std::vector<geometry::Pose>> motion;  // S x B
+  std::optional<PhysicsRows> physics;           // only when integrated
+  Truth truth;
+  std::vector<Answers> answers;   // A
+  std::vector<Summary> summary;   // A
+  Provenance provenance;
+  std::string digest;  // of the root; filled in by write and read
+
+  std::size_t steps() const { return motion.size(); }
+};
+
+}  // namespace pipeline

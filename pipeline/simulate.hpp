@@ -1,0 +1,106 @@
+// Motion by Simbody behind a plain interface. C++17 without Eigen: this header is all that the rest of the program
+// sees of the one target that includes Simbody (its headers are not valid C++20).
+//
+// Contact is our own Force::Custom: Hunt-Crossley (Hertz with dissipation) and Simbody's friction law, sphere with sphere
+// on a uniform grid and sphere with finite box. Box with box has no contact.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pipeline {
+
+/// The force law of every contact. Both surfaces are of this material.
+struct Material {
+  double stiffness = 1e8;            // Pa, plane-strain modulus as in Simbody's CompliantContactSubsystem
+  double dissipation = 0.1;          // s/m, Hunt-Crossley
+  double static_friction = 0.5;      // 1
+  double dynamic_friction = 0.4;     // 1
+  double viscous_friction = 0;       // s/m
+  double transition_velocity = 0.5;  // m/s; a smaller one costs steps
+};
+
+/// A sphere or a box, of uniform density, centred on its frame's origin.
+struct RigidBody {
+  bool fixed = false;
+  bool sphere = true;                       // else a box
+  double radius = 1;                        // of contact, m (spheres)
+  std::array<double, 3> half_extents{};     // m (boxes)
+  double mass = 1;                          // kg; ignored when fixed
+  double inertia = 1;                       // kg m^2 about every axis (spheres); ignored when fixed
+};
+
+/// What changes of a body: position m, orientation (w x y z), velocity m/s, angular velocity rad/s in ground.
+struct BodyState {
+  std::array<double, 3> position{};
+  std::array<double, 4> orientation{1, 0, 0, 0};
+  std::array<double, 3> velocity{};
+  std::array<double, 3> angular_velocity{};
+};
+
+/// How to integrate, and when to give up.
+struct Physics {
+  std::string integrator = "RungeKuttaMerson";
+  double accuracy = 1e-3;
+  std::array<double, 3> gravity{0, -9.81, 0};  // m/s^2; all zero: no gravity force is made
+  double linear_damping = 0.1;                 // 1/s: force -m c v
+  double angular_damping = 0.8;                // 1/s: torque -I c w
+  Material material;
+  std::int64_t step_budget = 100000;  // internal steps per sample; more is a failure
+  double time_budget = 3600;          // s of wall time for the whole motion; more is a failure
+  double energy_bound = 10;           // total energy above this multiple of the reference is a failure
+};
+
+/// What the integrator did since the sample before (counts, time) and what holds at the sample.
+struct PhysicsSample {
+  double energy = 0;               // J, kinetic + gravity + elastic; gravity counted from y = 0
+  double kinetic_energy = 0;       // J
+  double greatest_penetration = 0; // m, 0 without contact
+  std::int64_t contacts = 0;
+  std::int64_t integrator_steps = 0;
+  std::int64_t rejected_steps = 0;
+  std::int64_t force_evaluations = 0;
+  std::int64_t time_ns = 0;          // wall time of the integration
+  std::int64_t contact_time_ns = 0;  // of it, spent finding contacts and their forces
+};
+
+/// The integrators that Physics::integrator may name.
+const std::vector<std::string>& integrator_names();
+
+/// One integration. Constructed again from the states at a sample it continues in the same way as any other object
+/// constructed from them: the run restarts it every 50 steps, so that a resumed run has the same bits.
+class Simulation {
+ public:
+  /// Starts at `time` s from `states` (one per body). `reference_energy` J is what energy_bound multiplies; 0 or less:
+  /// it is made from the states (kinetic energy + m |g| height above the lowest moving body, at least a tiny positive).
+  Simulation(const std::vector<RigidBody>& bodies, const Physics& physics, const std::vector<BodyState>& states,
+             double time, double reference_energy = 0);
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  /// The sample at the present time without integrating (all "since" columns 0).
+  PhysicsSample sample();
+
+  /// Integrates to `time` s. Empty when it went well; otherwise why it failed (exception text, NaN, energy, budget):
+  /// the object is then of no more use. Never throws for what the integrator does, never hangs.
+  std::string advance_to(double time, PhysicsSample& sample);
+
+  /// States at the present time as the integrator has them: quaternions have drifted from unit length by about the
+  /// accuracy, whoever makes poses of them normalises.
+  std::vector<BodyState> states() const;
+
+  double reference_energy() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Versions of Simbody and of the BLAS and LAPACK that are loaded (file names), as name -> text.
+std::vector<std::pair<std::string, std::string>> simulation_libraries();
+
+}  // namespace pipeline

@@ -1,0 +1,28 @@
+// The result file: HDF5, laid out as README's "The file" says. The only place, with h5.hpp, that knows HDF5.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "pipeline/result.hpp"
+
+namespace pipeline {
+
+/// Grows when a name, unit or meaning in the file changes. A newer one is refused.
+constexpr int kSchemaVersion = 1;
+
+/// Writes the whole result at `path`: first beside it, synced, then renamed into place. An existing file is replaced.
+/// Fills in `result.digest`. Throws Error(kFile).
+void write_result(Result& result, const std::filesystem::path& path);
+
+/// Reads a whole result. Throws Error(kFile) when the file is missing, not HDF5, not ours, truncated or newer.
+Result read_result(const std::filesystem::path& path);
+
+/// The digests of a result: "/motion", "/truth", "/answers/<label>" and "/" (README, "The digest").
+std::map<std::string, std::string> digests(const Result& result);
+
+/// Estimated bytes of the file, before deflate.
+std::uint64_t estimated_bytes(const Result& plan, std::uint64_t steps, std::uint64_t algorithms);
+
+}  // namespace pipeline
