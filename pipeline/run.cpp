@@ -1,5 +1,6 @@
 #include "pipeline/run.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <thread>
@@ -110,6 +111,44 @@ Result run(const Config& config, const RunOptions& options) {
   result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   write_result(result, output);
   part.remove();
+  return result;
+}
+
+Result detect_again(const fs::path& file, const std::vector<std::string>& arguments, const RunOptions& options) {
+  std::vector<AlgorithmChoice> choices;
+  for (const std::string& argument : arguments) choices.push_back(parse_algorithm(argument));
+  Result result = read_result(file);
+  const Config config = parse_config(result.config_effective, file.string() + ":/config@effective");
+  if (choices.empty()) choices = config.algorithms;
+
+  const auto index_of = [&](const std::string& label) {
+    const auto same = [&](const Answers& answers) { return answers.label == label; };
+    return std::find_if(result.answers.begin(), result.answers.end(), same) - result.answers.begin();
+  };
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    const std::string& label = choices[i].label;
+    if (index_of(label) < std::ptrdiff_t(result.answers.size()) && !options.force)
+      throw Error(kFile, file.string() + ": has answers labelled '" + label +
+                             "' already; --force replaces them, or give another label with @LABEL");
+    for (std::size_t j = 0; j < i; ++j)
+      if (choices[j].label == label)
+        throw Error(kInput, "--algorithm: the label '" + label + "' is given twice; name another with @LABEL");
+  }
+
+  Progress progress("detect", result.steps(), options.quiet);
+  std::vector<Answers> fresh = detect(result.bodies, result.motion, result.truth, choices, config.repeats, machine(),
+                                      nullptr, progress);
+  const std::uint64_t pairs = total_pairs(result.bodies, result.motion);
+  for (Answers& answers : fresh) {
+    const std::size_t at = std::size_t(index_of(answers.label));
+    if (at == result.answers.size()) {
+      result.answers.emplace_back();
+      result.summary.emplace_back();
+    }
+    result.summary[at] = summarise(answers, pairs);
+    result.answers[at] = std::move(answers);
+  }
+  write_result(result, file);
   return result;
 }
 
