@@ -1,9 +1,9 @@
 // Exact triangle tests: a filter in doubles first, CGAL for whatever it cannot certify.
 //
 // The filter follows P. Guigue, O. Devillers, "Fast and robust triangle-triangle overlap test using orientation
-// predicates", 2003, in general position only; its error bound is derived below. CGAL's do_intersect for the kernel Epick
-// is exact for the doubles it is given, but its precondition is a proper triangle: a triangle whose corners lie on one
-// line is handed to it as the segment or the point that it is.
+// predicates", 2003, in general position only; its error bound is derived below. CGAL's do_intersect for the kernel
+// Epick is exact for the doubles it is given, but its precondition is a proper triangle: a triangle whose corners lie
+// on one line is handed to it as the segment or the point that it is.
 //
 // CGAL's exact stage computes in multi-precision numbers with an exponent of 32 bits or more, so denormals and
 // coordinates up to the greatest double are no special case (tests/geometry_exact_test.cpp asks for both).
@@ -82,8 +82,8 @@ int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) { re
 enum class Answer { kApart, kMeet, kUncertain };
 
 /// Guigue and Devillers' interval test. Each triangle has its corners certainly on both sides of the other's plane, so
-/// each cuts the line common to both planes in an interval. Turned so that corner 0 is alone on its side, and mirrored so
-/// that this side is the positive one, the intervals overlap exactly when two orientations are not positive.
+/// each cuts the line common to both planes in an interval. Turned so that corner 0 is alone on its side, and mirrored
+/// so that this side is the positive one, the intervals overlap exactly when two orientations are not positive.
 Answer intervals_meet(const Triangle& a, const Sides& a_sides, const Triangle& b, const Sides& b_sides) {
   const int i = a_sides.lone(), j = b_sides.lone();
   const Vec3 &a0 = a[i], &b0 = b[j];
