@@ -1,4 +1,5 @@
 // The table of algorithms: one line each, the thesis's nine in its order, then those of other sources.
+#include "algorithms/aabb.hpp"
 #include "algorithms/bounding_sphere.hpp"
 #include "algorithms/obb_sat.hpp"
 #include "algorithms/rotated_aabb.hpp"
@@ -10,6 +11,7 @@ const std::vector<Algorithm>& all() {
       obb_sat(),          //
       bounding_sphere(),  //
       rotated_aabb(),     //
+      aabb(),             //
   };
   return table;
 }
