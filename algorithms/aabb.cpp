@@ -5,8 +5,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "algorithms/kernel.hpp"
 #include "algorithms/pairwise.hpp"
+#include "geometry/kernel.hpp"
 
 namespace algorithms {
 namespace {
@@ -35,8 +35,8 @@ Vertices columns(const geometry::Mesh& mesh) {
 }
 
 /// Least and greatest (r0 x + r1 y) + r2 z of the vertices. `size` is a multiple of kLanes.
-ALGORITHMS_CLONES void range_along(const double* x, const double* y, const double* z, std::size_t size, double r0,
-                                   double r1, double r2, double* least, double* greatest) {
+PROCESSOR_CLONES void range_along(const double* x, const double* y, const double* z, std::size_t size, double r0,
+                                  double r1, double r2, double* least, double* greatest) {
   double low[kLanes], high[kLanes];
   for (std::size_t l = 0; l < kLanes; ++l) low[l] = high[l] = (r0 * x[l] + r1 * y[l]) + r2 * z[l];
   for (std::size_t i = kLanes; i < size; i += kLanes)
@@ -91,9 +91,9 @@ struct Aabb {
   }
 
   /// Marks the boxes first ... last - 1 that touch box a.
-  ALGORITHMS_CLONES static void touch_row(const double* low_x, const double* low_y, const double* low_z,
-                                          const double* high_x, const double* high_y, const double* high_z,
-                                          std::uint32_t a, std::uint32_t first, std::uint32_t last, std::uint8_t* hit) {
+  PROCESSOR_CLONES static void touch_row(const double* low_x, const double* low_y, const double* low_z,
+                                         const double* high_x, const double* high_y, const double* high_z,
+                                         std::uint32_t a, std::uint32_t first, std::uint32_t last, std::uint8_t* hit) {
     const double lx = low_x[a], ly = low_y[a], lz = low_z[a], hx = high_x[a], hy = high_y[a], hz = high_z[a];
     for (std::uint32_t b = first; b < last; ++b)
       hit[b - first] = (lx <= high_x[b]) & (low_x[b] <= hx) & (ly <= high_y[b]) & (low_y[b] <= hy) & (lz <= high_z[b]) &
