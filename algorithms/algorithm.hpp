@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -37,18 +38,27 @@ using Value = std::variant<bool, std::int64_t, double, std::string>;
 /// A parameter of an algorithm. The type of `preset` is the knob's type.
 struct Knob {
   std::string name;
-  Value preset;                       // used when the configuration is silent
-  std::string unit;                   // "1" for counts and flags
-  std::string what;                   // one line
+  Value preset;                                             // used when the configuration is silent
+  std::string unit;                                         // "1" for counts and flags
+  std::string what;                                         // one line
   double least = -std::numeric_limits<double>::infinity();  // of numbers, inclusive
   double most = std::numeric_limits<double>::infinity();
-  std::vector<std::string> choices;   // of texts; empty: not a text
+  std::vector<std::string> choices = {};  // of texts; empty: not a text
   bool (*valid)(const Value&) = nullptr;  // a further rule, stated in `rule`
-  std::string rule;
+  std::string rule = {};                  // what follows "must" in the message, e.g. "divide 180"
 };
 
 /// Every knob of an algorithm with its value.
 using Knobs = std::map<std::string, Value, std::less<>>;
+
+/// The value of the knob `name`, of the type of its preset. Throws std::out_of_range or std::bad_variant_access: both
+/// are errors of the program, since a row's `make` is given every knob of the row.
+template <class T>
+const T& value_of(const Knobs& knobs, std::string_view name) {
+  const auto found = knobs.find(name);
+  if (found == knobs.end()) throw std::out_of_range("no knob '" + std::string(name) + "'");
+  return std::get<T>(found->second);
+}
 
 /// One algorithm, set up for the bodies of a run. Not shared between threads.
 class Method {
@@ -74,7 +84,7 @@ struct Algorithm {
   std::string operations_unit;  // what `count` counts
   Promise promise = Promise::none;
   Scope scope = Scope::pair;
-  std::vector<Knob> knobs;
+  std::vector<Knob> knobs = {};
   std::unique_ptr<Method> (*make)(const Bodies& bodies, const Knobs& knobs) = nullptr;
 };
 

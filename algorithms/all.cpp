@@ -1,0 +1,23 @@
+// The table of algorithms: one line each, the thesis's nine in its order, then those of other sources.
+#include "algorithms/bounding_sphere.hpp"
+#include "algorithms/obb_sat.hpp"
+#include "algorithms/rotated_aabb.hpp"
+
+namespace algorithms {
+
+const std::vector<Algorithm>& all() {
+  static const std::vector<Algorithm> table = {
+      obb_sat(),          //
+      bounding_sphere(),  //
+      rotated_aabb(),     //
+  };
+  return table;
+}
+
+const Algorithm* find(std::string_view name) {
+  for (const Algorithm& algorithm : all())
+    if (algorithm.name == name) return &algorithm;
+  return nullptr;
+}
+
+}  // namespace algorithms
