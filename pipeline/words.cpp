@@ -63,7 +63,7 @@ std::string real_text(double value) {
   return text.substr(0, e + 1) + sign + exponent;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') {
@@ -87,7 +87,8 @@ std::string one_line(std::string_view text, std::size_t most) {
     const std::size_t length = character_length(text);
     const auto lead = static_cast<unsigned char>(text[0]);
     // U+0080 to U+009F are control characters too, and some terminals obey them.
-    const bool control = lead < 0x20 || lead == 0x7F || (lead == 0xC2 && length == 2 && static_cast<unsigned char>(text[1]) < 0xA0);
+    const bool control =
+        lead < 0x20 || lead == 0x7F || (lead == 0xC2 && length == 2 && static_cast<unsigned char>(text[1]) < 0xA0);
     out += length == 0 || control ? "?" : text.substr(0, length);
     text.remove_prefix(std::max<std::size_t>(length, 1));
   }
@@ -111,7 +112,8 @@ std::optional<Flaw> first_flaw(std::string_view text) {
     if (c == '\0') at.what = "a NUL byte; the file must be text";
     const bool multi_line = open.size() == 3;
     if (open.empty()) {
-      if (c == '.' && ++dots >= kMostKeyParts) at.what = "a key of more than " + std::to_string(kMostKeyParts) + " parts";
+      if (c == '.' && ++dots >= kMostKeyParts)
+        at.what = "a key of more than " + std::to_string(kMostKeyParts) + " parts";
       if (std::string_view("\n,=[]{}").find(c) != std::string_view::npos) dots = 0;
     }
     if (!at.what.empty()) return at;

@@ -13,7 +13,7 @@ namespace pipeline {
 std::string real_text(double value);
 
 /// `text` in double quotes with the escapes that TOML and JSON share. `text` must be UTF-8.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 
 /// `text` fit for one line of a message: control characters and invalid UTF-8 become '?', and of more than `most`
 /// characters the rest becomes "...".
