@@ -1,5 +1,10 @@
 // The table of algorithms: one line each, the thesis's nine in its order, then those of other sources.
+#include "algorithms/aabb.hpp"
 #include "algorithms/bounding_sphere.hpp"
+#include "algorithms/facet_distance.hpp"
+#include "algorithms/facet_rotations.hpp"
+#include "algorithms/facet_triangles.hpp"
+#include "algorithms/facet_vectors.hpp"
 #include "algorithms/obb_sat.hpp"
 #include "algorithms/rotated_aabb.hpp"
 
@@ -10,6 +15,11 @@ const std::vector<Algorithm>& all() {
       obb_sat(),          //
       bounding_sphere(),  //
       rotated_aabb(),     //
+      facet_distance(),   //
+      facet_vectors(),    //
+      facet_triangles(),  //
+      facet_rotations(),  //
+      aabb(),             //
   };
   return table;
 }

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "algorithms/kernel.hpp"
 #include "algorithms/pairwise.hpp"
+#include "geometry/kernel.hpp"
 
 namespace algorithms {
 namespace {
@@ -15,8 +15,8 @@ struct Balls {
 
 /// Marks the balls first ... last - 1 that overlap ball a, by squares. Returns false when a square came so close that
 /// only the square root, which defines the answer, may decide: 2^-50 is four times the rounding of both sides.
-ALGORITHMS_CLONES bool overlap_by_squares(const double* x, const double* y, const double* z, const double* r,
-                                          std::uint32_t a, std::uint32_t first, std::uint32_t last, std::uint8_t* hit) {
+PROCESSOR_CLONES bool overlap_by_squares(const double* x, const double* y, const double* z, const double* r,
+                                         std::uint32_t a, std::uint32_t first, std::uint32_t last, std::uint8_t* hit) {
   const double ax = x[a], ay = y[a], az = z[a], ar = r[a];
   std::uint8_t doubt = 0;
   for (std::uint32_t b = first; b < last; ++b) {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "algorithms/kernel.hpp"
 #include "algorithms/pairwise.hpp"
+#include "geometry/kernel.hpp"
 
 namespace algorithms {
 namespace {
@@ -17,11 +17,11 @@ struct Columns {
 };
 
 /// Stages 1 and 2 of body a against first ... last - 1: 1 where the spheres and the boxes touch.
-ALGORITHMS_CLONES void spheres_and_boxes_touch(const double* x, const double* y, const double* z, const double* r,
-                                               const double* low_x, const double* low_y, const double* low_z,
-                                               const double* high_x, const double* high_y, const double* high_z,
-                                               std::uint32_t a, std::uint32_t first, std::uint32_t last,
-                                               std::uint8_t* hit) {
+PROCESSOR_CLONES void spheres_and_boxes_touch(const double* x, const double* y, const double* z, const double* r,
+                                              const double* low_x, const double* low_y, const double* low_z,
+                                              const double* high_x, const double* high_y, const double* high_z,
+                                              std::uint32_t a, std::uint32_t first, std::uint32_t last,
+                                              std::uint8_t* hit) {
   const double ax = x[a], ay = y[a], az = z[a], ar = r[a];
   const double alx = low_x[a], aly = low_y[a], alz = low_z[a], ahx = high_x[a], ahy = high_y[a], ahz = high_z[a];
   for (std::uint32_t b = first; b < last; ++b) {

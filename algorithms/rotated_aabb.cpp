@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "algorithms/kernel.hpp"
 #include "algorithms/pairwise.hpp"
+#include "geometry/kernel.hpp"
 #include "geometry/portable_math.hpp"
 
 namespace algorithms {
@@ -22,9 +22,9 @@ void turn(double& u, double& v, double angle) {
 }
 
 /// Marks the boxes first ... last - 1 that touch box a. Columns: centres, then extents.
-ALGORITHMS_CLONES void touch_row(const double* x, const double* y, const double* z, const double* ex, const double* ey,
-                                 const double* ez, std::uint32_t a, std::uint32_t first, std::uint32_t last,
-                                 std::uint8_t* hit) {
+PROCESSOR_CLONES void touch_row(const double* x, const double* y, const double* z, const double* ex, const double* ey,
+                                const double* ez, std::uint32_t a, std::uint32_t first, std::uint32_t last,
+                                std::uint8_t* hit) {
   const double ax = x[a], ay = y[a], az = z[a], aex = ex[a], aey = ey[a], aez = ez[a];
   for (std::uint32_t b = first; b < last; ++b)
     hit[b - first] = (std::fabs(ax - x[b]) <= aex + ex[b]) & (std::fabs(ay - y[b]) <= aey + ey[b]) &

@@ -6,7 +6,7 @@
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
-#define ALGORITHMS_CLONES __attribute__((target_clones("avx2", "default")))
+#define PROCESSOR_CLONES __attribute__((target_clones("avx2", "default")))
 #else
-#define ALGORITHMS_CLONES
+#define PROCESSOR_CLONES
 #endif

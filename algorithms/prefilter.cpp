@@ -1,0 +1,23 @@
+#include "algorithms/prefilter.hpp"
+
+namespace algorithms {
+
+Knob prefilter_knob() {
+  // Rows of the table hold this knob, so the list cannot be made from the table: a test keeps the two equal.
+  return {.name = "prefilter",
+          .preset = "rotated_aabb",
+          .unit = "1",
+          .what = "the pair goes on only if this algorithm, with its presets, reports it",
+          .choices = {"none", "obb_sat", "bounding_sphere", "rotated_aabb", "facet_distance", "obb_corners",
+                      "facet_vectors", "obb_triangles", "facet_triangles", "facet_rotations", "aabb", "cannon_naive"}};
+}
+
+std::unique_ptr<Method> make_prefilter(const Bodies& bodies, const Knobs& knobs) {
+  const auto& name = value_of<std::string>(knobs, "prefilter");
+  if (name == "none") return nullptr;
+  const Algorithm* algorithm = find(name);
+  if (!algorithm) throw std::invalid_argument("no algorithm '" + name + "' to filter with");
+  return algorithm->make(bodies, presets(*algorithm));
+}
+
+}  // namespace algorithms
