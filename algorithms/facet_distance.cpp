@@ -12,9 +12,9 @@
 
 #include <cmath>
 
-#include "algorithms/kernel.hpp"
 #include "algorithms/prefilter.hpp"
 #include "geometry/facets.hpp"
+#include "geometry/kernel.hpp"
 
 namespace algorithms {
 namespace {
@@ -39,8 +39,8 @@ Box bounds(const Points& points, std::size_t size) {
 
 /// True when one of the first `size` points is nearer to p than the root of `limit`. No early exit within the row: it
 /// vectorises.
-ALGORITHMS_CLONES bool any_near(double px, double py, double pz, const double* x, const double* y, const double* z,
-                                std::size_t size, double limit) {
+PROCESSOR_CLONES bool any_near(double px, double py, double pz, const double* x, const double* y, const double* z,
+                               std::size_t size, double limit) {
   std::int64_t near = 0;
   for (std::size_t i = 0; i < size; ++i) {
     const double dx = x[i] - px, dy = y[i] - py, dz = z[i] - pz;
@@ -64,8 +64,7 @@ struct FacetDistance {
   static std::vector<Points> local_points(const Bodies& bodies, const Knobs& knobs) {
     std::vector<Points> local;
     for (const geometry::Mesh& mesh : bodies.meshes)
-      local.push_back(
-          sampled(mesh, value_of<double>(knobs, "facets_per_area"), value_of<bool>(knobs, "densify")));
+      local.push_back(sampled(mesh, value_of<double>(knobs, "facets_per_area"), value_of<bool>(knobs, "densify")));
     return local;
   }
 
@@ -116,8 +115,8 @@ struct FacetDistance {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double x = points.x[i], y = points.y[i], z = points.z[i];
       const double dx = x - around.centre.x(), dy = y - around.centre.y(), dz = z - around.centre.z();
-      const bool far = (of.min.x() - x >= m) | (of.max.x() - x <= -m) | (of.min.y() - y >= m) |
-                       (of.max.y() - y <= -m) | (of.min.z() - z >= m) | (of.max.z() - z <= -m) |
+      const bool far = (of.min.x() - x >= m) | (of.max.x() - x <= -m) | (of.min.y() - y >= m) | (of.max.y() - y <= -m) |
+                       (of.min.z() - z >= m) | (of.max.z() - z <= -m) |
                        ((dx * dx + dy * dy) + dz * dz >= reach_squared);
       out.x[size] = x;
       out.y[size] = y;
@@ -130,7 +129,7 @@ struct FacetDistance {
   double max_distance, limit;  // metres, square metres
   bool indexed;
   geometry::PlacedPoints placed;
-  std::vector<Box> box;   // per body, of its placed points
+  std::vector<Box> box;  // per body, of its placed points
   std::vector<Ball> ball;
   Points near_a, near_b;  // scratch
 };

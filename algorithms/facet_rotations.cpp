@@ -1,7 +1,8 @@
 // facet_rotations: separating axes on a fixed grid of directions, which is what turning and comparing comes to.
 //
 // Turning by a about z, then by b about x, and looking at x, y and z, looks at the lengths along
-//   (cos a, -sin a, 0), (cos b sin a, cos b cos a, -sin b), (sin b sin a, sin b cos a, cos b),  a, b in {step, ..., 180}.
+//   (cos a, -sin a, 0), (cos b sin a, cos b cos a, -sin b), (sin b sin a, sin b cos a, cos b),  a, b in {step, ...,
+//   180}.
 // Those are computed once, each line once (307 at 10 degrees). The length of p along d is (dx x + dy y) + dz z in
 // doubles; by this arithmetic the answers are defined, and the order in which directions and triangles are tried
 // cannot change them: triangles are apart when some direction parts them strictly.
@@ -11,8 +12,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "algorithms/prefilter.hpp"
@@ -29,7 +32,9 @@ using geometry::Vec3;
 /// equal values elsewhere, so that equal lines can be told by their bits.
 double sine(std::int64_t i, std::int64_t n) {
   i = std::min(i, 2 * n - i);
-  const auto angle = [n](std::int64_t k) { return static_cast<double>(k) * std::numbers::pi / (2 * static_cast<double>(n)); };
+  const auto angle = [n](std::int64_t k) {
+    return static_cast<double>(k) * std::numbers::pi / (2 * static_cast<double>(n));
+  };
   if (i == 0) return 0;
   return 2 * i <= n ? geometry::portable::sin(angle(i)) : geometry::portable::cos(angle(n - i));
 }
@@ -91,7 +96,7 @@ struct FacetRotations {
   FacetRotations(const Bodies& bodies, const Knobs& knobs)
       : direction(directions(value_of<double>(knobs, "angle_step"))), placed(bodies, local_points(bodies, knobs)) {
     const auto kind = value_of<std::string>(knobs, "triangles") == "strip" ? geometry::Triangulation::strip
-                                                                            : geometry::Triangulation::disjoint;
+                                                                           : geometry::Triangulation::disjoint;
     ball.resize(bodies.size());
     std::size_t most = 0;
     for (std::uint32_t body = 0; body < bodies.size(); ++body) {

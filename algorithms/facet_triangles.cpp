@@ -25,7 +25,7 @@ using geometry::eleven_axes::dot;
 struct FacetTriangles {
   FacetTriangles(const Bodies& bodies, const Knobs& knobs) : placed(bodies, local_points(bodies, knobs)) {
     const auto kind = value_of<std::string>(knobs, "triangles") == "strip" ? geometry::Triangulation::strip
-                                                                            : geometry::Triangulation::disjoint;
+                                                                           : geometry::Triangulation::disjoint;
     ball.resize(bodies.size());
     triangles.resize(bodies.size());
     normal_length.resize(bodies.size());

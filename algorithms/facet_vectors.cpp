@@ -9,9 +9,9 @@
 #include <cmath>
 #include <vector>
 
-#include "algorithms/kernel.hpp"
 #include "algorithms/prefilter.hpp"
 #include "geometry/facets.hpp"
+#include "geometry/kernel.hpp"
 
 namespace algorithms {
 namespace {
@@ -44,15 +44,15 @@ const double* column(const Points& points, int axis) {
 }
 
 /// True when one of `size` vectors from (u, v) has the signs of the quadrant. No early exit within: it vectorises.
-ALGORITHMS_CLONES bool any_in_quadrant(bool positive_u, bool positive_v, double u, double v, const double* to_u,
-                                       const double* to_v, std::size_t size) {
+PROCESSOR_CLONES bool any_in_quadrant(bool positive_u, bool positive_v, double u, double v, const double* to_u,
+                                      const double* to_v, std::size_t size) {
   std::int64_t found = 0;
   for (std::size_t j = 0; j < size; ++j)
     found |= std::int64_t{(to_u[j] > u) == positive_u} & std::int64_t{(to_v[j] > v) == positive_v};
   return found != 0;
 }
 
-ALGORITHMS_CLONES bool any_short(double from, const double* to, std::size_t size, double limit) {
+PROCESSOR_CLONES bool any_short(double from, const double* to, std::size_t size, double limit) {
   std::int64_t found = 0;
   for (std::size_t j = 0; j < size; ++j) found |= std::int64_t{std::fabs(to[j] - from) < limit};
   return found != 0;

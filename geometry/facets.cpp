@@ -109,7 +109,8 @@ Ball ball_around(const Points& points) {
   Ball ball{.centre = {0.5 * (*x0 + *x1), 0.5 * (*y0 + *y1), 0.5 * (*z0 + *z1)}, .radius = 0};
   double squared = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double x = points.x[i] - ball.centre.x(), y = points.y[i] - ball.centre.y(), z = points.z[i] - ball.centre.z();
+    const double x = points.x[i] - ball.centre.x(), y = points.y[i] - ball.centre.y(),
+                 z = points.z[i] - ball.centre.z();
     squared = std::max(squared, (x * x + y * y) + z * z);
   }
   // 1e-12 stands for some ten roundings of 1.1e-16 each, 1e-150 for squares that underflow.

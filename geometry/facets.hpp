@@ -49,11 +49,11 @@ Points inflated(Points points, double factor);
 double box_surface(const Mesh& mesh);
 
 /// The mesh with at least facets_per_area * box_surface facets: each edge is cut into n + 1 equal parts and each facet
-/// into (n + 1)^2, n being the smallest that suffices (0: the mesh as it is). Facet by facet in the mesh's order; within
-/// one, rows from its first corner downwards, in row k alternately (k,j)(k+1,j)(k+1,j+1) and (k,j)(k+1,j+1)(k,j+1),
-/// where (k,j) = ((n+1-k) first + (k-j) second + j third) / (n+1). Corners stay bit for bit, and facets that share an
-/// edge share its new points bit for bit. A mesh whose box has no surface is dense enough.
-/// Throws std::invalid_argument when more than kMostFacets would be needed.
+/// into (n + 1)^2, n being the smallest that suffices (0: the mesh as it is). Facet by facet in the mesh's order;
+/// within one, rows from its first corner downwards, in row k alternately (k,j)(k+1,j)(k+1,j+1) and
+/// (k,j)(k+1,j+1)(k,j+1), where (k,j) = ((n+1-k) first + (k-j) second + j third) / (n+1). Corners stay bit for bit, and
+/// facets that share an edge share its new points bit for bit. A mesh whose box has no surface is dense enough. Throws
+/// std::invalid_argument when more than kMostFacets would be needed.
 Mesh densified(const Mesh& mesh, double facets_per_area);
 inline constexpr std::size_t kMostFacets = 20'000'000;  // about a gigabyte of points and indices
 
