@@ -338,9 +338,12 @@ AlgorithmChoice parse_algorithm(const std::string& argument) {
 }
 
 std::string knobs_json(const algorithms::Knobs& knobs) {
-  std::string out;
-  for (const auto& [knob, value] : knobs) out += (out.empty() ? "{" : ",") + in_quotes(knob) + ':' + value_text(value);
-  return out.empty() ? "{}" : out + '}';
+  std::string out = "{";
+  for (const auto& [knob, value] : knobs) {
+    if (out.size() > 1) out += ',';
+    out += in_quotes(knob) + ':' + value_text(value);
+  }
+  return out + '}';
 }
 
 }  // namespace pipeline
