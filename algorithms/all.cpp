@@ -1,7 +1,10 @@
 // The table of algorithms: one line each, the thesis's nine in its order, then those of other sources.
 #include "algorithms/aabb.hpp"
 #include "algorithms/bounding_sphere.hpp"
+#include "algorithms/cannon.hpp"
+#include "algorithms/obb_corners.hpp"
 #include "algorithms/obb_sat.hpp"
+#include "algorithms/obb_triangles.hpp"
 #include "algorithms/rotated_aabb.hpp"
 
 namespace algorithms {
@@ -11,7 +14,11 @@ const std::vector<Algorithm>& all() {
       obb_sat(),          //
       bounding_sphere(),  //
       rotated_aabb(),     //
+      obb_corners(),      //
+      obb_triangles(),    //
       aabb(),             //
+      cannon_naive(),     //
+      cannon_sap(),       //
   };
   return table;
 }
