@@ -2,6 +2,10 @@
 #include "algorithms/aabb.hpp"
 #include "algorithms/bounding_sphere.hpp"
 #include "algorithms/cannon.hpp"
+#include "algorithms/facet_distance.hpp"
+#include "algorithms/facet_rotations.hpp"
+#include "algorithms/facet_triangles.hpp"
+#include "algorithms/facet_vectors.hpp"
 #include "algorithms/obb_corners.hpp"
 #include "algorithms/obb_sat.hpp"
 #include "algorithms/obb_triangles.hpp"
@@ -14,8 +18,12 @@ const std::vector<Algorithm>& all() {
       obb_sat(),          //
       bounding_sphere(),  //
       rotated_aabb(),     //
+      facet_distance(),   //
       obb_corners(),      //
+      facet_vectors(),    //
       obb_triangles(),    //
+      facet_triangles(),  //
+      facet_rotations(),  //
       aabb(),             //
       cannon_naive(),     //
       cannon_sap(),       //
