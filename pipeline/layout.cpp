@@ -156,11 +156,14 @@ Group bodies(const Result& result, const Sizes& n) {
   return group;
 }
 
-Group mesh(const geometry::Mesh& mesh, const Sizes& n) {
+Group mesh(const geometry::Mesh& mesh) {
   const std::string path = "/meshes/" + mesh.name;
   const Dimension vertex{path + "/vertex", mesh.vertices.size()};
   const Dimension triangle{path + "/triangle", mesh.triangles.size()};
   const Dimension corner{path + "/corner", 3};
+  // Not the root's: a scale can serve about 4000 datasets (its list of them is an attribute of at most 64 KiB), and
+  // there may be as many meshes as bodies.
+  const Dimension axis{path + "/axis", 3};
   Group group{path,
               {{"shape", mesh.shape},
                {"closed", std::uint8_t{geometry::is_closed(mesh)}},
@@ -170,7 +173,8 @@ Group mesh(const geometry::Mesh& mesh, const Sizes& n) {
   datasets.push_back(bare_scale(vertex, "vertices of the mesh"));
   datasets.push_back(bare_scale(triangle, "triangles of the mesh"));
   datasets.push_back(bare_scale(corner, "corners of a triangle"));
-  datasets.push_back(viewed(path + "/vertices", std::span(mesh.vertices), {vertex, n.axis}, "m",
+  datasets.push_back(scale(texts(axis.scale, {"x", "y", "z"}, {axis}, "coordinates")));
+  datasets.push_back(viewed(path + "/vertices", std::span(mesh.vertices), {vertex, axis}, "m",
                             "vertices in the mesh's own frame", Type::f64));
   datasets.push_back(viewed(path + "/triangles", std::span(mesh.triangles), {triangle, corner}, "1",
                             "vertices of the triangles, counter-clockwise seen from outside", Type::u32));
@@ -331,7 +335,7 @@ std::vector<Group> layout(const Result& result) {
   std::vector<Group> groups;
   groups.push_back(root(result, n));
   groups.push_back(bodies(result, n));
-  for (const geometry::Mesh& shape : result.bodies.meshes) groups.push_back(mesh(shape, n));
+  for (const geometry::Mesh& shape : result.bodies.meshes) groups.push_back(mesh(shape));
   groups.push_back(motion(result, n));
   if (result.physics) groups.push_back(physics(*result.physics, n));
   groups.push_back(truth(result.truth, n));

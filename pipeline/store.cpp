@@ -119,7 +119,7 @@ class Writer {
                                    ? std::string(base_name(path))
                                    : "This is a netCDF dimension but not a netCDF variable";
       h5::check(H5DSset_scale(made.id(), name.c_str()), "make a scale of " + path);
-      scales_.insert_or_assign(path, OpenScale{std::move(made), dataset.grows});
+      scales_.try_emplace(path, OpenScale{std::move(made), dataset.grows});
       return;
     }
     for (unsigned d = 0; d < dataset.dims.size(); ++d) {
@@ -178,8 +178,9 @@ std::vector<std::byte> image(const std::vector<Group>& groups, const std::map<st
   h5::silence();
   const h5::Properties access(H5Pcreate(H5P_FILE_ACCESS), "make properties");
   h5::check(H5Pset_fapl_core(access.id(), 16 << 20, false), "write into memory");
-  // From 1.8 on links keep the order in which they were made; nothing in the file needs a reader newer than that.
-  h5::check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18), "choose the format");
+  // The oldest format that holds everything: any reader since HDF5 1.8 reads it. From superblock 2 on, 1.10.8's
+  // H5Fget_file_image clears a flag without renewing the checksum: its image cannot be opened.
+  h5::check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18), "choose the format");
   const h5::Properties creation(H5Pcreate(H5P_FILE_CREATE), "make properties");
   h5::check(H5Pset_link_creation_order(creation.id(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED), "keep order");
   h5::check(H5Pset_obj_track_times(creation.id(), false), "leave out times");
@@ -558,19 +559,16 @@ Result read_result(const path& path) {
   }
 }
 
-std::uint64_t estimated_bytes(const Result& plan, std::uint64_t steps, std::uint64_t algorithms) {
-  constexpr std::uint64_t kHitsPerBody = 4;  // of one algorithm at one step: between a heap at rest and all in the air
+std::uint64_t estimated_bytes(std::uint64_t steps, std::uint64_t bodies, std::uint64_t algorithms,
+                              std::uint64_t mesh_bytes) {
+  constexpr std::uint64_t kHitsPerBody = 4;  // of one algorithm at one step; a heap at rest has about 3
   constexpr std::uint64_t kPose = 7 * 8, kPair = 8, kColumn = 8;
-  const std::uint64_t bodies = plan.bodies.size();
+  constexpr std::uint64_t kNames = 1 << 16;  // attributes, names, HDF5's own
   const std::uint64_t list = kHitsPerBody * bodies * kPair + kColumn;  // the pairs of one step, and their offset
   const std::uint64_t results = (std::size(kResultTimes) + std::size(kResultCounts) + 1) * kColumn;
   const std::uint64_t physics =
       (std::size(kPhysicsReals) + std::size(kPhysicsCounts) + std::size(kPhysicsTimes)) * kColumn;
-  std::uint64_t bytes = 1 << 16;  // attributes, names, HDF5's own
-  for (const geometry::Mesh& mesh : plan.bodies.meshes)
-    bytes += mesh.vertices.size() * sizeof(geometry::Vec3) + mesh.triangles.size() * sizeof(geometry::Facet);
-  bytes += steps * (bodies * kPose + physics + (algorithms + 1) * list + algorithms * results);
-  return bytes;
+  return kNames + mesh_bytes + steps * (bodies * kPose + physics + (algorithms + 1) * list + algorithms * results);
 }
 
 }  // namespace pipeline
