@@ -45,37 +45,6 @@ double cosine(std::int64_t i, std::int64_t n) { return i <= n ? sine(n - i, n) :
 /// The number of turns in 180 degrees.
 std::int64_t turns(double angle_step) { return static_cast<std::int64_t>(std::llround(180 / angle_step)); }
 
-/// The distinct lines of the grid as unit directions, first non-zero component positive; scattered, so that any few
-/// consecutive ones look all ways.
-std::vector<Vec3> directions(double angle_step) {
-  const std::int64_t n = turns(angle_step);
-  std::map<std::array<double, 3>, bool> distinct;
-  const auto add = [&](double x, double y, double z) {
-    const double sign = x != 0 ? x : y != 0 ? y : z;
-    std::array<double, 3> line = {x, y, z};
-    for (double& c : line) c = (sign < 0 ? -c : c) + 0.0;  // + 0.0 turns -0 into 0
-    distinct[line] = true;
-  };
-  for (std::int64_t i = 1; i <= n; ++i) {
-    const double sin_a = sine(2 * i, n), cos_a = cosine(2 * i, n);
-    add(cos_a, -sin_a, 0);
-    for (std::int64_t k = 1; k <= n; ++k) {
-      const double sin_b = sine(2 * k, n), cos_b = cosine(2 * k, n);
-      add(cos_b * sin_a, cos_b * cos_a, -sin_b);
-      add(sin_b * sin_a, sin_b * cos_a, cos_b);
-    }
-  }
-  std::vector<Vec3> sorted;
-  for (const auto& [line, _] : distinct) sorted.emplace_back(line[0], line[1], line[2]);
-  // Steps of about 0.618 of a whole visit a range evenly; a step prime to the size visits all of it.
-  const std::size_t size = sorted.size();
-  std::size_t step = std::max<std::size_t>(1, static_cast<std::size_t>(0.618 * static_cast<double>(size)));
-  while (std::gcd(step, size) != 1) ++step;
-  std::vector<Vec3> scattered;
-  for (std::size_t i = 0; i < size; ++i) scattered.push_back(sorted[i * step % size]);
-  return scattered;
-}
-
 /// The length of p along d, metres.
 double along(const Vec3& d, double x, double y, double z) { return (d.x() * x + d.y() * y) + d.z() * z; }
 
@@ -94,7 +63,7 @@ struct Directions {
 
 struct FacetRotations {
   FacetRotations(const Bodies& bodies, const Knobs& knobs)
-      : direction(directions(value_of<double>(knobs, "angle_step"))), placed(bodies, local_points(bodies, knobs)) {
+      : direction(rotation_grid(value_of<double>(knobs, "angle_step"))), placed(bodies, local_points(bodies, knobs)) {
     const auto kind = value_of<std::string>(knobs, "triangles") == "strip" ? geometry::Triangulation::strip
                                                                            : geometry::Triangulation::disjoint;
     ball.resize(bodies.size());
@@ -249,6 +218,35 @@ struct FacetRotations {
 };
 
 }  // namespace
+
+std::vector<Vec3> rotation_grid(double angle_step) {
+  const std::int64_t n = turns(angle_step);
+  std::map<std::array<double, 3>, bool> distinct;
+  const auto add = [&](double x, double y, double z) {
+    const double sign = x != 0 ? x : y != 0 ? y : z;
+    std::array<double, 3> line = {x, y, z};
+    for (double& c : line) c = (sign < 0 ? -c : c) + 0.0;  // + 0.0 turns -0 into 0
+    distinct[line] = true;
+  };
+  for (std::int64_t i = 1; i <= n; ++i) {
+    const double sin_a = sine(2 * i, n), cos_a = cosine(2 * i, n);
+    add(cos_a, -sin_a, 0);
+    for (std::int64_t k = 1; k <= n; ++k) {
+      const double sin_b = sine(2 * k, n), cos_b = cosine(2 * k, n);
+      add(cos_b * sin_a, cos_b * cos_a, -sin_b);
+      add(sin_b * sin_a, sin_b * cos_a, cos_b);
+    }
+  }
+  std::vector<Vec3> sorted;
+  for (const auto& [line, _] : distinct) sorted.emplace_back(line[0], line[1], line[2]);
+  // Steps of about 0.618 of a whole visit a range evenly; a step prime to the size visits all of it.
+  const std::size_t size = sorted.size();
+  std::size_t step = std::max<std::size_t>(1, static_cast<std::size_t>(0.618 * static_cast<double>(size)));
+  while (std::gcd(step, size) != 1) ++step;
+  std::vector<Vec3> scattered;
+  for (std::size_t i = 0; i < size; ++i) scattered.push_back(sorted[i * step % size]);
+  return scattered;
+}
 
 Algorithm facet_rotations() {
   return {.name = "facet_rotations",

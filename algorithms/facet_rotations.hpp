@@ -13,4 +13,8 @@ namespace algorithms {
 
 Algorithm facet_rotations();
 
+/// The distinct lines on which the turns by `angle_step` degrees compare intervals, as unit vectors whose first
+/// non-zero component is positive. Scattered: any few consecutive ones look all ways. 307 at 10 degrees.
+std::vector<geometry::Vec3> rotation_grid(double angle_step);
+
 }  // namespace algorithms

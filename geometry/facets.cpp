@@ -44,13 +44,17 @@ Mesh densified(const Mesh& mesh, double facets_per_area) {
   if (mesh.triangles.empty()) return mesh;
   const double wanted = facets_per_area * box_surface(mesh);
   if (!(facets < wanted)) return mesh;
+  // Asked first: the search below is then short, also for a surface beyond all numbers.
+  const auto refuse = [&mesh] {
+    throw std::invalid_argument("mesh '" + mesh.name + "' would be made denser than " + std::to_string(kMostFacets) +
+                                " facets: scale it down, or ask for fewer facets per area or for none (densify)");
+  };
+  if (!(wanted <= kMostFacets)) refuse();
   double parts = std::ceil(std::sqrt(wanted / facets));
   // The root is rounded, and the smallest number of parts is asked for.
   while (parts > 1 && facets * (parts - 1) * (parts - 1) >= wanted) --parts;
-  while (facets * parts * parts < wanted && facets * parts * parts <= kMostFacets) ++parts;
-  if (!(facets * parts * parts <= kMostFacets))
-    throw std::invalid_argument("mesh '" + mesh.name + "' would be made denser than " + std::to_string(kMostFacets) +
-                                " facets: scale it down, or ask for fewer facets per area or for none (densify)");
+  while (facets * parts * parts < wanted) ++parts;
+  if (facets * parts * parts > kMostFacets) refuse();
   const auto m = static_cast<std::uint32_t>(parts);
   if (m == 1) return mesh;
 
