@@ -42,26 +42,26 @@ Normal normal(const Vec3& p, const Vec3& q, const Vec3& r) {
           {std::fabs(yz) + std::fabs(zy), std::fabs(zx) + std::fabs(xz), std::fabs(xy) + std::fabs(yx)}};
 }
 
-// Error of side(), with u = 2^-53 and h = 2^-1075, the greatest absolute error of a product that underflows (sums and
-// differences never lose anything to underflow). A component of the normal passes through four roundings (two
-// differences, a product, a sum), the dot product through four more (a difference, a product, two sums): without
-// underflow the error is at most ((1 + u)^8 - 1) P < 8.1 u P, P being the sum of the absolute triple products. P is
-// itself computed, from below by no more than (1 - u)^8. Hence 16 u covers it twice.
-// Underflow adds at most 3 h to a component of the normal and its magnitude, which the difference d multiplies, and
-// 3 h to each dot product: less than 10 h (1 + |dx| + |dy| + |dz|), covered by kUnderflow many times.
-// Overflow gives an infinite or undefined bound, with which no comparison is true: nothing is certified then.
+double dot(const Vec3& a, const Vec3& b) { return (a.x() * b.x() + a.y() * b.y()) + a.z() * b.z(); }
+
+// Error of dot(normal(p, q, r).n, s - p), with u = 2^-53 and h = 2^-1075, the greatest absolute error of a product that
+// underflows (sums and differences never lose anything to underflow). A component of the normal passes through four
+// roundings (two differences, a product, a sum), the dot product through four more (a difference, a product, two sums):
+// without underflow the error is at most ((1 + u)^8 - 1) P < 8.1 u P, P being the sum of the absolute triple products.
+// P is itself computed, from below by no more than (1 - u)^8. Hence 16 u covers it twice. Underflow adds at most 3 h to
+// a component of the normal and its magnitude, which the difference d multiplies, and 3 h to each dot product: less
+// than 10 h (1 + |dx| + |dy| + |dz|), covered by kUnderflow many times. Overflow gives an infinite or undefined bound,
+// with which no comparison is true: nothing is certified then.
 constexpr double kRelative = 0x1p-49;
 constexpr double kUnderflow = 0x1p-1060;
 
-/// The sign of (p - origin) . normal, where it is certain: the side of a plane on which p lies. 0 when uncertain.
-int side(const Normal& normal, const Vec3& origin, const Vec3& p) {
-  const Vec3 d = p - origin;
-  const double x = std::fabs(d.x()), y = std::fabs(d.y()), z = std::fabs(d.z());
-  const double dot = (normal.n.x() * d.x() + normal.n.y() * d.y()) + normal.n.z() * d.z();
-  const double size = (normal.magnitude.x() * x + normal.magnitude.y() * y) + normal.magnitude.z() * z;
-  const double bound = kRelative * size + kUnderflow * (1 + ((x + y) + z));
-  return (dot > bound) - (dot < -bound);
+/// The error of dot(normal.n, d) for every |d| <= reach.
+double bound(const Normal& normal, const Vec3& reach) {
+  return kRelative * dot(normal.magnitude, reach) + kUnderflow * (1 + ((reach.x() + reach.y()) + reach.z()));
 }
+
+/// The sign of what was computed with this error, where it is certain; 0 when uncertain.
+int sign(double value, double error) { return (value > error) - (value < -error); }
 
 /// The certain sides of t's corners with respect to the plane.
 struct Sides {
@@ -73,11 +73,17 @@ struct Sides {
 };
 
 Sides sides(const Normal& plane, const Vec3& origin, const Triangle& t) {
-  return {{side(plane, origin, t[0]), side(plane, origin, t[1]), side(plane, origin, t[2])}};
+  const Vec3 d0 = t[0] - origin, d1 = t[1] - origin, d2 = t[2] - origin;
+  const double e = bound(plane, d0.cwiseAbs().cwiseMax(d1.cwiseAbs()).cwiseMax(d2.cwiseAbs()));
+  return {{sign(dot(plane.n, d0), e), sign(dot(plane.n, d1), e), sign(dot(plane.n, d2), e)}};
 }
 
 /// The certain side of s with respect to the plane through p, q, r; 0 when uncertain.
-int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) { return side(normal(p, q, r), p, s); }
+int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
+  const Normal plane = normal(p, q, r);
+  const Vec3 d = s - p;
+  return sign(dot(plane.n, d), bound(plane, d.cwiseAbs()));
+}
 
 enum class Answer { kApart, kMeet, kUncertain };
 
@@ -101,7 +107,7 @@ Point point(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 
 /// True when a component of the computed normal is certainly not 0.
 bool certainly_proper(const Normal& normal) {
-  // Four roundings instead of eight and nothing multiplied afterwards: side()'s bound covers this with d = 1.
+  // Four roundings instead of eight and nothing multiplied afterwards: bound() covers this with a reach of 1.
   return (normal.n.array().abs() > kRelative * normal.magnitude.array() + kUnderflow).any();
 }
 

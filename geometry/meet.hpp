@@ -4,6 +4,7 @@
 // counts. The answer is exact for the world vertices as rounded by to_world. A body wholly inside another has no
 // crossing triangles and does not meet it.
 #pragma once
+#include <cstdint>
 #include <deque>
 #include <span>
 #include <utility>
@@ -11,8 +12,18 @@
 
 #include "geometry/bodies.hpp"
 #include "geometry/bvh.hpp"
+#include "geometry/exact.hpp"
 
 namespace geometry {
+
+/// A facet in the world.
+struct PlacedFacet {
+  Triangle triangle;
+  Box box;
+};
+
+/// Pairs of nodes of two hierarchies.
+using NodePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 /// Decides a step. Holds the hierarchies' scratch memory: one object per thread. Answers do not depend on what was
 /// asked before.
@@ -47,7 +58,8 @@ class Decision {
   std::vector<std::uint32_t> free_;  // indices into placed_
   std::vector<std::uint32_t> slot_;  // #bodies, index into placed_ or kNone
   std::vector<Vec3> scratch_;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> stack_;
+  NodePairs stack_;
+  std::vector<PlacedFacet> a_cap_, b_cap_;
 };
 
 std::vector<Bvh> build_bvhs(const Bodies& bodies);

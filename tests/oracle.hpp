@@ -78,10 +78,10 @@ bool triangles_meet(const geometry::Triangle& s, const geometry::Triangle& t) {
 
   std::vector<Vec<Number>> directions = edges;
   directions.push_back(b[0] - a[0]);
-  for (const auto& d : directions) {
-    if (separates(d, a, b)) return false;
-    for (const auto& e : directions) {
-      const Vec<Number> n = cross(d, e);
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    if (separates(directions[i], a, b)) return false;
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vec<Number> n = cross(directions[i], directions[j]);
       if (n.zero()) continue;
       if (separates(n, a, b)) return false;
       for (const auto& f : directions)
