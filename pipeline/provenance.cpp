@@ -7,6 +7,7 @@
 #include <ctime>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "build_info.hpp"
@@ -122,7 +123,8 @@ std::uint64_t free_disk(const fs::path& path) {
   fs::path folder = fs::absolute(path).parent_path();
   while (!folder.empty() && !fs::exists(folder, error) && folder != folder.parent_path()) folder = folder.parent_path();
   const fs::space_info space = fs::space(folder, error);
-  return error ? 0 : space.available;
+  // Pseudo file systems have no size at all: what is wrong there is better said by whoever tries to write.
+  return error || space.capacity == 0 ? std::numeric_limits<std::uint64_t>::max() : space.available;
 }
 
 }  // namespace pipeline
