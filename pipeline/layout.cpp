@@ -146,8 +146,7 @@ Group bodies(const Result& result, const Sizes& n) {
   std::vector<std::string> mesh;
   for (std::uint32_t body = 0; body < all.size(); ++body) mesh.push_back(all.mesh_of(body).name);
   group.datasets.push_back(texts("/bodies/mesh", std::move(mesh), {n.body}, "name of the body's mesh in /meshes"));
-  group.datasets.push_back(
-      viewed("/bodies/fixed", std::span(all.fixed), {n.body}, "1", "1 when the body never moves"));
+  group.datasets.push_back(viewed("/bodies/fixed", std::span(all.fixed), {n.body}, "1", "1 when the body never moves"));
   group.datasets.push_back(viewed("/bodies/first_step", std::span(result.first_step), {n.body}, "1",
                                   "step at which the body is born; -1: never"));
   if (!all.chosen.empty())
@@ -252,14 +251,15 @@ Group results(const Result& result, const Sizes& n) {
       assert(column.size() == n.step.size && "a value for every step");
       for (std::size_t s = 0; s < n.step.size; ++s) table[s * columns + a] = column[s];
     }
-    group.datasets.push_back(
-        owning(std::string("/results/") + name, table, {n.step, n.algorithm}, units, long_name));
+    group.datasets.push_back(owning(std::string("/results/") + name, table, {n.step, n.algorithm}, units, long_name));
   };
   for (const auto& c : kResultTimes)
-    add(c.name, c.units, c.long_name, std::int64_t{}, [&](const Answers& a) -> const auto& { return a.*c.member; });
+    add(
+        c.name, c.units, c.long_name, std::int64_t{}, [&](const Answers& a) -> const auto& { return a.*c.member; });
   add("hits", "1", "pairs reported", std::uint64_t{}, [](const Answers& a) { return counts(a.hits); });
   for (const auto& c : kResultCounts)
-    add(c.name, c.units, c.long_name, std::uint64_t{}, [&](const Answers& a) -> const auto& { return a.*c.member; });
+    add(
+        c.name, c.units, c.long_name, std::uint64_t{}, [&](const Answers& a) -> const auto& { return a.*c.member; });
   return group;
 }
 
@@ -299,10 +299,7 @@ Group summary(const Result& result, const Sizes& n) {
 
 Group run(const Provenance& from) {
   return {"/run",
-          {{"date", from.date},
-           {"host", from.host},
-           {"processor", from.processor},
-           {"wall_time_s", from.wall_time_s}},
+          {{"date", from.date}, {"host", from.host}, {"processor", from.processor}, {"wall_time_s", from.wall_time_s}},
           {}};
 }
 

@@ -34,7 +34,7 @@ enum class Scale {
 
 /// One array. Moves only: `bytes` may point into `owned`, or into the Result it was made from.
 struct Dataset {
-  std::string path;                  // absolute
+  std::string path;  // absolute
   Type type = Type::f64;
   std::vector<std::uint64_t> shape;  // empty: a scalar
   std::vector<std::string> dims;     // for every dimension the path of its scale; a scale names itself
@@ -42,7 +42,7 @@ struct Dataset {
   std::span<const std::byte> bytes;  // row-major; empty for text and bare scales
   std::vector<std::string> text;     // row-major; of text only
   Scale scale = Scale::none;
-  bool grows = false;                // of scales: the dimension is unlimited
+  bool grows = false;  // of scales: the dimension is unlimited
   std::vector<Attribute> attributes;
   std::vector<std::byte> owned;
 
@@ -86,7 +86,8 @@ inline constexpr Column<Answers, std::vector<std::uint64_t>> kResultCounts[] = {
     {"true_positive", &Answers::true_positive, "1", "pairs reported that truly meet"},
     {"false_positive", &Answers::false_positive, "1", "pairs reported that do not meet"},
     {"false_negative", &Answers::false_negative, "1", "pairs that meet and were not reported"},
-    {"rounding_miss", &Answers::rounding_miss, "1", "misses of a conservative method that vanish when enlarged by 2^-40"},
+    {"rounding_miss", &Answers::rounding_miss, "1",
+     "misses of a conservative method that vanish when enlarged by 2^-40"},
     {"operations", &Answers::operations, "1", "elementary tests made; what is counted: operations_unit of /answers"}};
 
 inline constexpr Column<PhysicsSample, double> kPhysicsReals[] = {
@@ -109,7 +110,8 @@ inline constexpr Column<Summary, std::uint64_t> kSummaryCounts[] = {
     {"false_negative", &Summary::false_negative, "1", "pairs that meet and were not reported"},
     {"operations", &Summary::operations, "1", "elementary tests made; what is counted: operations_unit of /answers"}};
 inline constexpr Column<Summary, double> kSummaryReals[] = {
-    {"error", &Summary::error, "1", "(FP + FN) / (TP + FP + FN); 0 when nothing is to be found and nothing was reported"},
+    {"error", &Summary::error, "1",
+     "(FP + FN) / (TP + FP + FN); 0 when nothing is to be found and nothing was reported"},
     {"precision", &Summary::precision, "1", "TP / (TP + FP)"},
     {"recall", &Summary::recall, "1", "TP / (TP + FN)"},
     {"matthews", &Summary::matthews, "1", "Matthews' correlation coefficient over pairs of born bodies"},

@@ -16,8 +16,8 @@ constexpr int kSchemaVersion = 1;
 /// Fills in `result.digest`. Throws Error(kFile).
 void write_result(Result& result, const std::filesystem::path& path);
 
-/// Reads a whole result. Throws Error(kFile) when the file is missing, not HDF5, not ours, truncated, damaged (its content
-/// does not have its digest) or newer.
+/// Reads a whole result. Throws Error(kFile) when the file is missing, not HDF5, not ours, truncated, damaged (its
+/// content does not have its digest) or newer.
 Result read_result(const std::filesystem::path& path);
 
 /// The digests of a result: "/motion", "/truth", "/answers/<label>" and "/" (README, "The digest").

@@ -1,5 +1,3 @@
-#include "pipeline/digest.hpp"
-
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -8,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "pipeline/digest.hpp"
 #include "synthetic_result.hpp"
 
 namespace pipeline {
@@ -63,8 +62,15 @@ TEST(Digest, IsXxh3WithTheHighHalfFirst) {
 
 TEST(Digest, TakesPathTypeRankShapeAndValues) {
   const Dataset dataset = doubles("/a/b", {2, 1}, {1.0, -0.0});
-  const std::string expected =
-      Stream().text("/a/b").text("f8").integer(2).integer(2).integer(1).integer(0x3ff0000000000000).integer(1ull << 63).hex();
+  const std::string expected = Stream()
+                                   .text("/a/b")
+                                   .text("f8")
+                                   .integer(2)
+                                   .integer(2)
+                                   .integer(1)
+                                   .integer(0x3ff0000000000000)
+                                   .integer(1ull << 63)
+                                   .hex();
   EXPECT_EQ(digest_of(dataset), expected);
 }
 
@@ -74,7 +80,8 @@ TEST(Digest, TakesTextsWithTheirLengths) {
   dataset.type = Type::text;
   dataset.shape = {3};
   dataset.text = {"koule", "", "kůň"};
-  const std::string expected = Stream().text("/body").text("text").integer(1).integer(3).text("koule").text("").text("k\xc5\xaf\xc5\x88").hex();
+  const std::string expected =
+      Stream().text("/body").text("text").integer(1).integer(3).text("koule").text("").text("k\xc5\xaf\xc5\x88").hex();
   EXPECT_EQ(digest_of(dataset), expected);
 }
 

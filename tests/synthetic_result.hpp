@@ -11,14 +11,13 @@
 
 namespace pipeline {
 
-/// Sorted pairs a < b < bodies: all with about `wanted` hits in the mean, of neighbours by number.
+/// Sorted pairs a < b < bodies, neighbours by number: about `wanted` every 20 steps, one fewer at each step between.
 inline PairLists synthetic_pairs(std::mt19937_64& random, std::uint64_t steps, std::uint32_t bodies,
                                  std::uint64_t wanted) {
   constexpr std::uint32_t kReach = 20;
   const double chance = static_cast<double>(wanted) / (static_cast<double>(bodies) * kReach);
   PairLists lists;
-  std::vector<std::uint32_t> near;  // of the step before: heaps change slowly
-  std::vector<Pair> step;
+  std::vector<Pair> step;  // heaps change slowly: most pairs stay from step to step
   for (std::uint64_t s = 0; s < steps; ++s) {
     if (s % 20 == 0) {
       step.clear();
@@ -33,8 +32,8 @@ inline PairLists synthetic_pairs(std::mt19937_64& random, std::uint64_t steps, s
   return lists;
 }
 
-/// S steps of B bodies (at least 3) with A algorithms and about `hits` hits each at every step. Body 0 is fixed, the last
-/// body is born half-way. Integrated, every pair asked about.
+/// S steps of B bodies (at least 3) with A algorithms and about `hits` hits each at every step. Body 0 is fixed, the
+/// last body is born half-way. Integrated, every pair asked about.
 inline Result synthetic_result(std::uint64_t steps = 7, std::uint32_t bodies = 5, std::uint64_t algorithms = 3,
                                std::uint64_t hits = 4) {
   std::mt19937_64 random(1);
@@ -67,8 +66,8 @@ inline Result synthetic_result(std::uint64_t steps = 7, std::uint32_t bodies = 5
     std::vector<geometry::Pose> poses(bodies);
     for (std::uint32_t body = 0; body < bodies; ++body) {
       const bool born = static_cast<std::int64_t>(s) >= result.first_step[body];
-      poses[body] = born ? geometry::Pose{{real(), real(), real(), real()}, {real(), real() * 50, real()}}
-                         : geometry::unborn();
+      poses[body] =
+          born ? geometry::Pose{{real(), real(), real(), real()}, {real(), real() * 50, real()}} : geometry::unborn();
       if (body == 0) poses[body] = {{1, 0, 0, 0}, {0, -1, 0}};
     }
     result.motion.push_back(poses);
@@ -78,8 +77,7 @@ inline Result synthetic_result(std::uint64_t steps = 7, std::uint32_t bodies = 5
   result.physics->status = "complete";
   for (std::uint64_t s = 0; s < steps; ++s) {
     const auto count = [&] { return static_cast<std::int64_t>(random() % 1000); };
-    result.physics->rows.push_back(
-        {real(), real(), real(), count(), count(), count(), count(), count(), count()});
+    result.physics->rows.push_back({real(), real(), real(), count(), count(), count(), count(), count(), count()});
   }
   result.truth.hits = synthetic_pairs(random, steps, bodies, hits);
   result.truth.time_ns = times();
@@ -108,9 +106,18 @@ inline Result synthetic_result(std::uint64_t steps = 7, std::uint32_t bodies = 5
                               real(), real(), real(), a == 1 ? std::numeric_limits<double>::quiet_NaN() : real(),
                               real() * 1e6, real() * 1e6, real() * 1e6, a != 1});
   }
-  result.provenance = {"pipeline 0.1.0", "0123456789abcdef", "Release", "g++ 12.2", "-O3", "{\"hdf5\":\"1.10.8\"}",
-                       std::string(64, 'a'), "{\"plate.obj\":\"" + std::string(64, 'b') + "\"}",
-                       "2026-01-02T03:04:05Z", "host", "processor", 12.5};
+  result.provenance = {"pipeline 0.1.0",
+                       "0123456789abcdef",
+                       "Release",
+                       "g++ 12.2",
+                       "-O3",
+                       "{\"hdf5\":\"1.10.8\"}",
+                       std::string(64, 'a'),
+                       "{\"plate.obj\":\"" + std::string(64, 'b') + "\"}",
+                       "2026-01-02T03:04:05Z",
+                       "host",
+                       "processor",
+                       12.5};
   return result;
 }
 
