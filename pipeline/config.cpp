@@ -12,6 +12,7 @@
 
 #include "pipeline/document.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/scene.hpp"
 #include "pipeline/words.hpp"
 
 namespace pipeline {
@@ -21,17 +22,10 @@ constexpr std::size_t kMostBytes = 16 << 20;
 constexpr std::size_t kMostTitle = 1024;       // characters
 constexpr std::int64_t kMostSteps = 10000000;  // at 274 bodies 120 GB of motion: further is a mistake
 constexpr double kMostRate = 1e6;              // samples per second
-constexpr std::int64_t kMostSegments = 1024;   // 4 million triangles per sphere
-constexpr std::int64_t kMostBodies = 1000000;  // spheres of a scene: 5e11 pairs per step
-constexpr double kMostLength = 1e6;            // m: beyond, a double's last digit is no longer below a nanometre
-constexpr double kLeastLength = 1e-6;          // m
 constexpr std::int64_t kMostRepeats = 1000;
 constexpr Range kFinite{};
 constexpr Range kNotNegative{.least = 0};
 constexpr Range kPositive{.least = 0, .above = true};
-constexpr Range kLength{.least = kLeastLength, .most = kMostLength};
-constexpr Range kDensity{.least = 1e-6, .most = 1e6};  // kg/m^3
-constexpr Range kCoordinate{.least = -kMostLength, .most = kMostLength};
 
 // ---- Sections ----------------------------------------------------------------------------------------------------
 
@@ -45,52 +39,23 @@ std::string title(const Section& root, const std::string& preset) {
   return value;
 }
 
-/// The thesis's scene: one sphere onto another, ten onto ten, and a block of 6 x 6 x 6 onto 6 x 6.
-std::vector<FallingSet> thesis_sets() {
-  return {{.lying = {1, 1}, .above = {1, 1, 1}, .corner = {-14, -20}, .spacing = 2.1, .height = 5},
-          {.lying = {10, 1}, .above = {10, 1, 1}, .corner = {-10, -18}, .spacing = 2.5, .height = 26},
-          {.lying = {6, 6}, .above = {6, 6, 6}, .corner = {-5, -3}, .spacing = 2.1, .height = 75}};
-}
-
-FallingScene falling_scene(const Section& s) {
-  s.only({"kind", "segments", "radius", "density", "plate", "shift", "set"});
-  FallingScene scene;
-  scene.segments = s.integer("segments", scene.segments, 1, kMostSegments);
-  scene.radius = s.real("radius", scene.radius, kLength);
-  scene.density = s.real("density", scene.density, kDensity);
-  s.reals("plate", scene.plate, kLength);
-  scene.shift = s.real("shift", scene.shift, kCoordinate);
-  if (!s.has("set")) scene.sets = thesis_sets();
-  std::int64_t spheres = 0;
-  for (const Section& t : s.sections("set")) {
-    t.only({"lying", "above", "corner", "spacing", "height"});
-    FallingSet set;
-    t.integers("lying", set.lying, 0, kMostBodies);
-    t.integers("above", set.above, 0, kMostBodies);
-    t.reals("corner", set.corner, kCoordinate);
-    set.spacing = t.real("spacing", set.spacing, kLength);
-    set.height = t.real("height", set.height, kCoordinate);
-    // At most 1e6 + 1e12 + 1e18: no overflow.
-    spheres += set.lying[0] * set.lying[1] + set.above[0] * set.above[1] * set.above[2];
-    if (spheres > kMostBodies)
-      t.fail("'scene.set' must hold at most " + std::to_string(kMostBodies) + " spheres, not " +
-             std::to_string(spheres) + "; lower 'lying' or 'above'");
-    scene.sets.push_back(set);
-  }
-  if (s.has("set") && spheres == 0) s.fail("'scene.set' must hold at least 1 sphere, not 0; raise 'lying' or 'above'");
-  return scene;
-}
-
-/// The scene by its kind.
-FallingScene scene(const Section& root) {
+/// The scene by its kind; sets config.scene and, when the kind is integrated, the presets of config.physics.
+void read_scene(const Section& root, Config& config) {
   const Section s = root.section("scene");
   if (!s.exists()) root.fail("missing table [scene]; write [scene] and below it kind = \"falling\"");
-  if (!s.has("kind")) s.fail("missing key 'scene.kind'; write kind = \"falling\"");
-  s.choice("kind", "", {"falling"});
-  return falling_scene(s);
+  std::vector<std::string> names;
+  for (const SceneKind& kind : scene_kinds()) names.push_back(kind.name);
+  if (!s.has("kind")) s.fail("missing key 'scene.kind'; " + hint("", names));
+  const std::string name = s.choice("kind", "", names);
+  config.scene_kind = std::ranges::find(scene_kinds(), name, &SceneKind::name).operator->();
+  config.scene_kind->read(s, config);
 }
 
 void read_physics(const Section& s, Config& config) {
+  if (!config.scene_kind->integrated) {
+    if (s.exists()) s.fail("'physics' is not for this kind of scene: nothing is integrated; remove the table");
+    return;
+  }
   s.only({"integrator", "accuracy", "gravity", "linear_damping", "angular_damping", "stiffness", "dissipation",
           "static_friction", "dynamic_friction", "viscous_friction", "transition_velocity", "contact_radius",
           "step_budget", "time_budget", "energy_bound"});
@@ -105,6 +70,9 @@ void read_physics(const Section& s, Config& config) {
   m.dissipation = s.real("dissipation", m.dissipation, kNotNegative);
   m.static_friction = s.real("static_friction", m.static_friction, kNotNegative);
   m.dynamic_friction = s.real("dynamic_friction", m.dynamic_friction, kNotNegative);
+  if (m.static_friction < m.dynamic_friction)
+    s.fail("'physics.static_friction' must be at least physics.dynamic_friction, not " + real_text(m.static_friction) +
+           " below " + real_text(m.dynamic_friction));
   m.viscous_friction = s.real("viscous_friction", m.viscous_friction, kNotNegative);
   m.transition_velocity = s.real("transition_velocity", m.transition_velocity, kPositive);
   const bool nominal = s.choice("contact_radius", "inscribed", {"inscribed", "nominal"}) == "nominal";
@@ -186,80 +154,49 @@ std::vector<AlgorithmChoice> algorithm_choices(const Section& root) {
 
 // ---- Back to TOML ------------------------------------------------------------------------------------------------
 
-/// A knob's value in the notation that TOML and JSON share.
-std::string value_text(const algorithms::Value& value) {
-  if (const auto* v = std::get_if<bool>(&value)) return *v ? "true" : "false";
-  if (const auto* v = std::get_if<std::int64_t>(&value)) return std::to_string(*v);
-  if (const auto* v = std::get_if<double>(&value)) return real_text(*v);
-  return in_quotes(std::get<std::string>(value));
-}
-
-template <class Values>
-std::string list_text(const Values& values) {
-  std::string out;
-  for (const auto& value : values) out += (out.empty() ? "[" : ", ") + value_text(value);
-  return out + ']';
-}
-
 /// Every key with its value, in a fixed order.
 std::string effective(const Config& c) {
-  std::string out;
-  const auto line = [&](std::string_view key, const algorithms::Value& value) {
-    out += std::string(key) + " = " + value_text(value) + '\n';
-  };
-  const auto list = [&](std::string_view key, const auto& values) {
-    out += std::string(key) + " = " + list_text(values) + '\n';
-  };
-  line("title", c.title);
-  line("seed", c.seed);
-  line("steps", c.steps);
-  line("rate", c.rate);
+  TomlText out;
+  out.line("title", c.title);
+  out.line("seed", c.seed);
+  out.line("steps", c.steps);
+  out.line("rate", c.rate);
 
-  out += "\n[scene]\n";
-  line("kind", std::string("falling"));
-  line("segments", c.scene.segments);
-  line("radius", c.scene.radius);
-  line("density", c.scene.density);
-  list("plate", c.scene.plate);
-  line("shift", c.scene.shift);
-  for (const FallingSet& set : c.scene.sets) {
-    out += "\n[[scene.set]]\n";
-    list("lying", set.lying);
-    list("above", set.above);
-    list("corner", set.corner);
-    line("spacing", set.spacing);
-    line("height", set.height);
+  out.table("[scene]");
+  out.line("kind", c.scene_kind->name);
+  c.scene_kind->write(c, out);
+
+  if (c.scene_kind->integrated) {
+    const Physics& p = c.physics;
+    out.table("[physics]");
+    out.line("integrator", p.integrator);
+    out.line("accuracy", p.accuracy);
+    out.list("gravity", p.gravity);
+    out.line("linear_damping", p.linear_damping);
+    out.line("angular_damping", p.angular_damping);
+    out.line("stiffness", p.material.stiffness);
+    out.line("dissipation", p.material.dissipation);
+    out.line("static_friction", p.material.static_friction);
+    out.line("dynamic_friction", p.material.dynamic_friction);
+    out.line("viscous_friction", p.material.viscous_friction);
+    out.line("transition_velocity", p.material.transition_velocity);
+    out.line("contact_radius", std::string(c.contact_radius == ContactRadius::nominal ? "nominal" : "inscribed"));
+    out.line("step_budget", p.step_budget);
+    out.line("time_budget", p.time_budget);
+    out.line("energy_bound", p.energy_bound);
   }
 
-  const Physics& p = c.physics;
-  out += "\n[physics]\n";
-  line("integrator", p.integrator);
-  line("accuracy", p.accuracy);
-  list("gravity", p.gravity);
-  line("linear_damping", p.linear_damping);
-  line("angular_damping", p.angular_damping);
-  line("stiffness", p.material.stiffness);
-  line("dissipation", p.material.dissipation);
-  line("static_friction", p.material.static_friction);
-  line("dynamic_friction", p.material.dynamic_friction);
-  line("viscous_friction", p.material.viscous_friction);
-  line("transition_velocity", p.material.transition_velocity);
-  line("contact_radius", std::string(c.contact_radius == ContactRadius::nominal ? "nominal" : "inscribed"));
-  line("step_budget", p.step_budget);
-  line("time_budget", p.time_budget);
-  line("energy_bound", p.energy_bound);
-
-  out += "\n[truth]\n";
-  line("containment", std::string("ignore"));
-  out += "\n[timing]\n";
-  line("repeats", c.repeats);
+  out.table("[truth]");
+  out.line("containment", std::string("ignore"));
+  out.table("[timing]");
+  out.line("repeats", c.repeats);
   for (const AlgorithmChoice& a : c.algorithms) {
-    out += "\n[[algorithm]]\n";
-    line("name", a.name);
-    line("label", a.label);
-    for (const auto& [knob, value] : a.knobs) line(knob, value);
+    out.table("[[algorithm]]");
+    out.line("name", a.name);
+    out.line("label", a.label);
+    for (const auto& [knob, value] : a.knobs) out.line(knob, value);
   }
-  return out;
+  return out.text;
 }
 
 /// The file's bytes, at most kMostBytes + 1 of them.
@@ -297,7 +234,7 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   config.seed = root.integer("seed", config.seed, 0);
   config.steps = root.integer("steps", config.steps, 1, kMostSteps);
   config.rate = root.real("rate", config.rate, {.least = 0, .most = kMostRate, .above = true});
-  config.scene = scene(root);
+  read_scene(root, config);
   read_physics(root.section("physics"), config);
   config.containment = containment(root.section("truth"));
   config.repeats = root.section("timing").only({"repeats"}).integer("repeats", config.repeats, 1, kMostRepeats);

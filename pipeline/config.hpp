@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "algorithms/algorithm.hpp"
@@ -43,6 +44,8 @@ struct AlgorithmChoice {
   algorithms::Knobs knobs;  // all of them, presets filled in
 };
 
+struct SceneKind;  // pipeline/scene.hpp
+
 struct Config {
   std::filesystem::path path;  // as given
   std::string text;            // as read
@@ -51,8 +54,9 @@ struct Config {
   std::int64_t seed = 1;
   std::int64_t steps = 600;  // samples, step 0 included
   double rate = 60;          // samples per second
-  FallingScene scene;
-  Physics physics;
+  const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
+  std::variant<FallingScene> scene;       // of that kind
+  Physics physics;                        // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;
   std::int64_t repeats = 3;

@@ -42,7 +42,7 @@ fs::path output_path(const Config& config, const RunOptions& options) {
 }
 
 Plan plan(const Config& config) {
-  const SceneSize size = scene_size(config);
+  const SceneSize size = config.scene_kind->size(config);
   Plan plan{.bodies = size.bodies, .meshes = size.meshes, .triangles = size.mesh_triangles};
   plan.pairs = size.bodies * (size.bodies - 1) / 2;
   const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
@@ -80,13 +80,18 @@ Result run(const Config& config, const RunOptions& options) {
   const int threads = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
   const std::uint64_t steps = std::uint64_t(config.steps);
 
-  Scene scene = make_scene(config);
+  Scene scene = config.scene_kind->make(config);
   Result result;
   {
     Progress progress("motion", steps, options.quiet);
-    Motion motion = integrate(config, scene, part, progress);
-    result.motion = std::move(motion.poses);
-    result.physics = std::move(motion.physics);
+    if (config.scene_kind->integrated) {
+      Motion motion = integrate(config, scene, part, progress);
+      result.motion = std::move(motion.poses);
+      result.physics = std::move(motion.physics);
+    } else {
+      result.motion = std::move(scene.script);
+      progress.add(steps);
+    }
   }
   {
     Progress progress("truth", steps, options.quiet);

@@ -1,4 +1,7 @@
-// From a configuration to bodies: meshes, their physical side, and where they start.
+// From a configuration to bodies: meshes, their physical side, and where they are.
+//
+// A kind of scene is a row of scene_kinds() and one file scene_<kind>.cpp: its keys, their text, its size and its
+// bodies.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -6,14 +9,19 @@
 
 #include "geometry/bodies.hpp"
 #include "pipeline/config.hpp"
+#include "pipeline/document.hpp"
 #include "pipeline/simulate.hpp"
+#include "pipeline/words.hpp"
 
 namespace pipeline {
 
 struct Scene {
   geometry::Bodies bodies;
+  // Integrated scenes:
   std::vector<RigidBody> rigid;   // B, what the integrator needs to know
   std::vector<BodyState> states;  // B, at t = 0
+  // Scripted scenes:
+  std::vector<std::vector<geometry::Pose>> script;  // S x B
 };
 
 /// How large a scene is, without making it.
@@ -22,12 +30,37 @@ struct SceneSize {
   std::uint64_t mesh_vertices = 0, mesh_triangles = 0;  // of the distinct meshes
   std::uint64_t body_vertices = 0;                      // over all bodies
 };
-SceneSize scene_size(const Config& config);
 
-/// The falling scene (thesis, "Padání"): body 0 is the plate, then set by set the lying and the upper spheres, x slowest.
-Scene make_scene(const Config& config);
+/// One kind of scene, as data.
+struct SceneKind {
+  std::string name;                                      // scene.kind
+  std::string what;                                      // one line
+  bool integrated;                                       // else its poses are a script: no integrator, no /physics
+  void (*read)(const Section& section, Config& config);  // [scene] and presets that depend on the kind
+  void (*write)(const Config& config, TomlText& out);    // the same keys with their values
+  SceneSize (*size)(const Config& config);
+  Scene (*make)(const Config& config);
+};
+
+const std::vector<SceneKind>& scene_kinds();
+
+// The rows, each from its own file.
+SceneKind falling_kind();
 
 /// The pose of a state: its quaternion normalised by the rule of the truth.
 geometry::Pose pose_of(const BodyState& state);
+
+// Limits that the kinds share.
+constexpr std::int64_t kMostSegments = 1024;   // 4 million triangles per sphere
+constexpr std::int64_t kMostBodies = 1000000;  // of a scene: 5e11 pairs per step
+constexpr double kMostLength = 1e6;            // m: beyond, a double's last digit is no longer below a nanometre
+constexpr double kLeastLength = 1e-6;          // m
+constexpr Range kLength{.least = kLeastLength, .most = kMostLength};
+constexpr Range kCoordinate{.least = -kMostLength, .most = kMostLength};
+constexpr Range kDensity{.least = 1e-6, .most = 1e6};  // kg/m^3
+
+/// A solid sphere's physical side. The contact radius only says where it is touched: mass and inertia are those of the
+/// nominal sphere.
+RigidBody solid_sphere(const geometry::Mesh& mesh, double density, ContactRadius contact_radius);
 
 }  // namespace pipeline

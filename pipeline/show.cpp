@@ -6,7 +6,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/scene.hpp"
 #include "pipeline/store.hpp"
+#include "pipeline/words.hpp"
 
 namespace pipeline {
 namespace {
@@ -23,13 +25,6 @@ std::string print(const char* format, ...) {
   va_end(again);
   va_end(arguments);
   return text;
-}
-
-std::string value_text(const algorithms::Value& value) {
-  if (const bool* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
-  if (const auto* whole = std::get_if<std::int64_t>(&value)) return std::to_string(*whole);
-  if (const double* real = std::get_if<double>(&value)) return print("%.15g", *real);
-  return std::get<std::string>(value);
 }
 
 Json value_json(const algorithms::Value& value) {
@@ -97,9 +92,6 @@ struct NamedText {
   const char* name;
   const char* what;
 };
-constexpr NamedText kScenes[] = {
-    {"falling", "sets of spheres fall on a finite plate (thesis, \"Padani\")"},
-};
 constexpr NamedText kShapes[] = {
     {"sphere", "radius, segments: segments + 2 rows of twice as many columns, pole axis y"},
     {"box", "size [x, y, z]: 12 facets"},
@@ -109,10 +101,12 @@ constexpr NamedText kShapes[] = {
 };
 
 std::vector<NamedText> named(const std::string& what) {
-  if (what == "scenes") return {std::begin(kScenes), std::end(kScenes)};
   if (what == "shapes") return {std::begin(kShapes), std::end(kShapes)};
   std::vector<NamedText> rows;
-  for (const std::string& name : integrator_names()) rows.push_back({name.c_str(), ""});
+  if (what == "scenes")
+    for (const SceneKind& kind : scene_kinds()) rows.push_back({kind.name.c_str(), kind.what.c_str()});
+  else
+    for (const std::string& name : integrator_names()) rows.push_back({name.c_str(), ""});
   return rows;
 }
 
@@ -138,8 +132,9 @@ std::string result_text(const Result& result) {
                     answers.promise == "none" ? "-" : answers.promise + (row.promise_kept ? " kept" : " BROKEN")});
   }
   text += aligned(rows);
-  text += "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
-          "per step\n\n";
+  text +=
+      "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
+      "per step\n\n";
 
   text += "made by   " + from.creator + ", commit " + from.git_commit + ", " + from.build_type + ", " + from.compiler +
           "\n";
@@ -214,20 +209,26 @@ std::string part_text(const PartStatus& status, const std::string& path) {
 }
 
 std::string part_json(const PartStatus& status, const std::string& path) {
-  const Json json = {{"file", path},           {"complete", false},
-                     {"title", status.title},  {"steps", status.steps},
-                     {"motion_steps", status.motion_steps}, {"truth_steps", status.truth_steps},
+  const Json json = {{"file", path},
+                     {"complete", false},
+                     {"title", status.title},
+                     {"steps", status.steps},
+                     {"motion_steps", status.motion_steps},
+                     {"truth_steps", status.truth_steps},
                      {"answered_steps", status.answered_steps}};
   return json.dump(2) + "\n";
 }
 
 std::string plan_text(const Config& config, const Plan& plan, const std::string& output) {
   std::string text = config.title + "\n";
-  text += print("scene       falling: %llu bodies, %llu pairs a step, %llu distinct meshes with %llu triangles\n",
+  text += "scene       " + config.scene_kind->name;
+  text += print(": %llu bodies, %llu pairs a step, %llu distinct meshes with %llu triangles\n",
                 static_cast<unsigned long long>(plan.bodies), static_cast<unsigned long long>(plan.pairs),
                 static_cast<unsigned long long>(plan.meshes), static_cast<unsigned long long>(plan.triangles));
-  text += print("motion      %s at accuracy %g, %lld steps at %g per second\n", config.physics.integrator.c_str(),
-                config.physics.accuracy, static_cast<long long>(config.steps), config.rate);
+  text += "motion      ";
+  text += config.scene_kind->integrated ? config.physics.integrator + print(" at accuracy %g", config.physics.accuracy)
+                                        : "scripted, no integrator is built and no /physics written";
+  text += print(", %lld steps at %g per second\n", static_cast<long long>(config.steps), config.rate);
   text += "truth       exact, by surface; containment is not asked for, so it is not computed\n";
   for (const AlgorithmChoice& choice : config.algorithms)
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
@@ -239,13 +240,14 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
 }
 
 std::string plan_json(const Config& config, const Plan& plan, const std::string& output) {
-  Json json = {{"title", config.title},        {"scene", "falling"},
-               {"steps", config.steps},        {"rate", config.rate},
-               {"bodies", plan.bodies},        {"pairs", plan.pairs},
-               {"meshes", plan.meshes},        {"triangles", plan.triangles},
-               {"integrator", config.physics.integrator}, {"accuracy", config.physics.accuracy},
-               {"repeats", config.repeats},    {"output", output},
+  Json json = {{"title", config.title},         {"scene", config.scene_kind->name},
+               {"steps", config.steps},         {"rate", config.rate},
+               {"bodies", plan.bodies},         {"pairs", plan.pairs},
+               {"meshes", plan.meshes},         {"triangles", plan.triangles},
+               {"repeats", config.repeats},     {"output", output},
                {"file_bytes", plan.file_bytes}, {"memory_bytes", plan.memory_bytes}};
+  if (config.scene_kind->integrated)
+    json["physics"] = {{"integrator", config.physics.integrator}, {"accuracy", config.physics.accuracy}};
   json["algorithms"] = Json::array();
   for (const AlgorithmChoice& choice : config.algorithms)
     json["algorithms"].push_back(
@@ -269,7 +271,8 @@ std::string list_text(const std::string& what) {
     for (const algorithms::Knob& knob : row.knobs) {
       text += "    " + knob.name + " = " + value_text(knob.preset) + (knob.unit == "1" ? "" : " " + knob.unit);
       const std::string range = range_text(knob);
-      text += std::string("  (") + type_name(knob.preset) + (range.empty() ? "" : ": " + range) + ")  " + knob.what + "\n";
+      text +=
+          std::string("  (") + type_name(knob.preset) + (range.empty() ? "" : ": " + range) + ")  " + knob.what + "\n";
     }
   }
   return text;

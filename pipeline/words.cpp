@@ -49,6 +49,13 @@ std::string lower_case(std::string_view text) {
 
 }  // namespace
 
+std::string value_text(const algorithms::Value& value) {
+  if (const auto* v = std::get_if<bool>(&value)) return *v ? "true" : "false";
+  if (const auto* v = std::get_if<std::int64_t>(&value)) return std::to_string(*v);
+  if (const auto* v = std::get_if<double>(&value)) return real_text(*v);
+  return in_quotes(std::get<std::string>(value));
+}
+
 std::string real_text(double value) {
   if (std::isnan(value)) return "nan";
   if (std::isinf(value)) return value < 0 ? "-inf" : "inf";

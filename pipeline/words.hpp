@@ -6,7 +6,32 @@
 #include <string_view>
 #include <vector>
 
+#include "algorithms/algorithm.hpp"
+
 namespace pipeline {
+
+/// A knob's value in the notation that TOML and JSON share.
+std::string value_text(const algorithms::Value& value);
+
+/// TOML as it is written: lines "key = value" under tables.
+struct TomlText {
+  std::string text;
+
+  void table(std::string_view header) { text += '\n' + std::string(header) + '\n'; }
+  void line(std::string_view key, const algorithms::Value& value) {
+    text += std::string(key) + " = " + value_text(value) + '\n';
+  }
+  template <class Values>
+  void list(std::string_view key, const Values& values) {
+    text += std::string(key) + " = [";
+    bool first = true;
+    for (const auto& value : values) {
+      text += (first ? "" : ", ") + value_text(value);
+      first = false;
+    }
+    text += "]\n";
+  }
+};
 
 /// The shortest decimal text that reads back as the same double; always with a point or an exponent ("60.0", "1e8"),
 /// so that TOML and JSON readers take it for a real. Not finite: "inf", "-inf", "nan" (TOML only).

@@ -11,6 +11,8 @@
 namespace pipeline {
 namespace {
 
+const FallingScene& falling_of(const Config& config) { return std::get<FallingScene>(config.scene); }
+
 namespace fs = std::filesystem;
 
 const std::string kScene = "[scene]\nkind = \"falling\"\n";
@@ -38,14 +40,14 @@ void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(a.seed, b.seed);
   EXPECT_EQ(a.steps, b.steps);
   EXPECT_EQ(a.rate, b.rate);
-  EXPECT_EQ(a.scene.segments, b.scene.segments);
-  EXPECT_EQ(a.scene.radius, b.scene.radius);
-  EXPECT_EQ(a.scene.density, b.scene.density);
-  EXPECT_EQ(a.scene.plate, b.scene.plate);
-  EXPECT_EQ(a.scene.shift, b.scene.shift);
-  ASSERT_EQ(a.scene.sets.size(), b.scene.sets.size());
-  for (std::size_t i = 0; i < a.scene.sets.size(); ++i) {
-    const FallingSet &s = a.scene.sets[i], &t = b.scene.sets[i];
+  EXPECT_EQ(falling_of(a).segments, falling_of(b).segments);
+  EXPECT_EQ(falling_of(a).radius, falling_of(b).radius);
+  EXPECT_EQ(falling_of(a).density, falling_of(b).density);
+  EXPECT_EQ(falling_of(a).plate, falling_of(b).plate);
+  EXPECT_EQ(falling_of(a).shift, falling_of(b).shift);
+  ASSERT_EQ(falling_of(a).sets.size(), falling_of(b).sets.size());
+  for (std::size_t i = 0; i < falling_of(a).sets.size(); ++i) {
+    const FallingSet &s = falling_of(a).sets[i], &t = falling_of(b).sets[i];
     EXPECT_TRUE(s.lying == t.lying && s.above == t.above && s.corner == t.corner) << i;
     EXPECT_TRUE(s.spacing == t.spacing && s.height == t.height) << i;
   }
@@ -101,13 +103,13 @@ TEST(Config, NeedsOnlyTheKindOfScene) {
 // 274 spheres: facts of the thesis, not of the code.
 TEST(Config, WithoutSetsIsTheSceneOfTheThesis) {
   const Config c = parse_config(kScene, "f.toml");
-  ASSERT_EQ(c.scene.sets.size(), 3u);
+  ASSERT_EQ(falling_of(c).sets.size(), 3u);
   std::int64_t spheres = 0;
-  for (const FallingSet& s : c.scene.sets) spheres += s.lying[0] * s.lying[1] + s.above[0] * s.above[1] * s.above[2];
+  for (const FallingSet& s : falling_of(c).sets) spheres += s.lying[0] * s.lying[1] + s.above[0] * s.above[1] * s.above[2];
   EXPECT_EQ(spheres, 1 + 1 + 10 + 10 + 36 + 216);
-  EXPECT_EQ(c.scene.sets[0].corner, (std::array<double, 2>{-14, -20}));
-  EXPECT_EQ(c.scene.sets[1].spacing, 2.5);
-  EXPECT_EQ(c.scene.sets[2].height, 75);
+  EXPECT_EQ(falling_of(c).sets[0].corner, (std::array<double, 2>{-14, -20}));
+  EXPECT_EQ(falling_of(c).sets[1].spacing, 2.5);
+  EXPECT_EQ(falling_of(c).sets[2].height, 75);
 }
 
 TEST(Config, WithoutAlgorithmsAsksThoseOfTheThesis) {
@@ -179,17 +181,17 @@ name = "obb_sat"
   EXPECT_EQ(c.seed, std::numeric_limits<std::int64_t>::max());
   EXPECT_EQ(c.steps, 10000000);
   EXPECT_EQ(c.rate, 1e6);
-  EXPECT_EQ(c.scene.segments, 1024);
-  EXPECT_EQ(c.scene.radius, 0.5);
-  EXPECT_EQ(c.scene.density, 7800.5);
-  EXPECT_EQ(c.scene.plate, (std::array<double, 3>{1, 2.5, 3}));
-  EXPECT_EQ(c.scene.shift, -0.25);
-  ASSERT_EQ(c.scene.sets.size(), 2u);
-  EXPECT_EQ(c.scene.sets[0].lying, (std::array<std::int64_t, 2>{2, 0}));
-  EXPECT_EQ(c.scene.sets[0].above, (std::array<std::int64_t, 3>{1, 2, 3}));
-  EXPECT_EQ(c.scene.sets[0].corner, (std::array<double, 2>{-1.5, 4}));
-  EXPECT_EQ(c.scene.sets[0].spacing, 1);
-  EXPECT_EQ(c.scene.sets[0].height, 16);
+  EXPECT_EQ(falling_of(c).segments, 1024);
+  EXPECT_EQ(falling_of(c).radius, 0.5);
+  EXPECT_EQ(falling_of(c).density, 7800.5);
+  EXPECT_EQ(falling_of(c).plate, (std::array<double, 3>{1, 2.5, 3}));
+  EXPECT_EQ(falling_of(c).shift, -0.25);
+  ASSERT_EQ(falling_of(c).sets.size(), 2u);
+  EXPECT_EQ(falling_of(c).sets[0].lying, (std::array<std::int64_t, 2>{2, 0}));
+  EXPECT_EQ(falling_of(c).sets[0].above, (std::array<std::int64_t, 3>{1, 2, 3}));
+  EXPECT_EQ(falling_of(c).sets[0].corner, (std::array<double, 2>{-1.5, 4}));
+  EXPECT_EQ(falling_of(c).sets[0].spacing, 1);
+  EXPECT_EQ(falling_of(c).sets[0].height, 16);
   EXPECT_EQ(c.physics.integrator, "Verlet");
   EXPECT_EQ(c.physics.accuracy, 1e-9);
   EXPECT_EQ(c.physics.gravity, (std::array<double, 3>{0, 0, -1.62}));
@@ -254,8 +256,8 @@ TEST(Set, ChangesValuesOfAnyDepth) {
   EXPECT_EQ(c.steps, 5);
   EXPECT_EQ(c.rate, 2.5);
   EXPECT_EQ(c.title, "Two words");
-  EXPECT_EQ(c.scene.sets[0].height, 5);
-  EXPECT_EQ(c.scene.sets[1].height, 3);
+  EXPECT_EQ(falling_of(c).sets[0].height, 5);
+  EXPECT_EQ(falling_of(c).sets[1].height, 3);
   EXPECT_EQ(c.physics.gravity, (std::array<double, 3>{0, -2, 0}));
   EXPECT_EQ(c.repeats, 7);
   EXPECT_EQ(c.physics.integrator, "Verlet");
@@ -268,7 +270,7 @@ TEST(Set, ChangesValuesOfAnyDepth) {
 TEST(Set, MakesTablesAndReplacesLists) {
   const Config c =
       parse_config("", "f.toml", {"scene.kind=falling", "scene.set=[{lying=[2,2]}]", "algorithm=[{name='obb_sat'}]"});
-  EXPECT_EQ(c.scene.sets.size(), 1u);
+  EXPECT_EQ(falling_of(c).sets.size(), 1u);
   EXPECT_EQ(c.algorithms.size(), 1u);
   EXPECT_EQ(with({"title=7th", "title="}).title, "");
   EXPECT_EQ(with({"title=C:\\x #1"}).title, "C:\\x #1");

@@ -12,10 +12,12 @@ Config falling(const std::string& scene_keys = "") {
   return parse_config("[scene]\nkind = \"falling\"\n" + scene_keys, "test.toml");
 }
 
+Scene made(const Config& config) { return config.scene_kind->make(config); }
+
 }  // namespace
 
 TEST(FallingScene, HasTheThesissBodies) {
-  const Scene scene = make_scene(falling());
+  const Scene scene = made(falling());
   ASSERT_EQ(scene.bodies.size(), 275u);
   EXPECT_EQ(std::count(scene.bodies.fixed.begin(), scene.bodies.fixed.end(), 1), 1);
   EXPECT_EQ(scene.bodies.mesh_of(1).triangles.size(), 1224u);
@@ -39,7 +41,7 @@ TEST(FallingScene, HasTheThesissBodies) {
 }
 
 TEST(FallingScene, NoTwoSpheresOverlapAtTheStart) {
-  const Scene scene = make_scene(falling());
+  const Scene scene = made(falling());
   for (std::size_t a = 1; a < scene.states.size(); ++a)
     for (std::size_t b = a + 1; b < scene.states.size(); ++b) {
       double distance_squared = 0;
@@ -52,11 +54,11 @@ TEST(FallingScene, NoTwoSpheresOverlapAtTheStart) {
 }
 
 TEST(FallingScene, ContactRadiusIsInscribedUnlessNominalIsAsked) {
-  const Scene inscribed = make_scene(falling());
+  const Scene inscribed = made(falling());
   EXPECT_LT(inscribed.rigid[1].radius, 1);
   EXPECT_GT(inscribed.rigid[1].radius, 0.98);
   const Scene nominal =
-      make_scene(parse_config("[scene]\nkind = \"falling\"\n[physics]\ncontact_radius = \"nominal\"\n", "test.toml"));
+      made(parse_config("[scene]\nkind = \"falling\"\n[physics]\ncontact_radius = \"nominal\"\n", "test.toml"));
   EXPECT_EQ(nominal.rigid[1].radius, 1);
   // Mass and inertia do not depend on it: 4/3 pi r^3 density, 2/5 m r^2.
   EXPECT_NEAR(inscribed.rigid[1].mass, 4188.790204786391, 1e-9);
@@ -67,8 +69,8 @@ TEST(FallingScene, ContactRadiusIsInscribedUnlessNominalIsAsked) {
 TEST(FallingScene, SizeIsKnownWithoutMakingIt) {
   for (const char* keys : {"", "segments = 4\n[[scene.set]]\nlying = [3, 2]\nabove = [0, 0, 0]\n"}) {
     const Config config = falling(keys);
-    const SceneSize size = scene_size(config);
-    const Scene scene = make_scene(config);
+    const SceneSize size = config.scene_kind->size(config);
+    const Scene scene = made(config);
     std::uint64_t vertices = 0, triangles = 0, body_vertices = 0;
     for (const auto& mesh : scene.bodies.meshes) vertices += mesh.vertices.size(), triangles += mesh.triangles.size();
     for (std::uint32_t b = 0; b < scene.bodies.size(); ++b) body_vertices += scene.bodies.mesh_of(b).vertices.size();

@@ -1,0 +1,136 @@
+// kind = "falling": sets of spheres fall onto others that lie on a finite plate, its top at y = 0 (thesis, "Padani").
+#include "geometry/shapes.hpp"
+#include "pipeline/scene.hpp"
+
+namespace pipeline {
+namespace {
+
+/// The thesis's scene: one sphere onto another, ten onto ten, and a block of 6 x 6 x 6 onto 6 x 6.
+std::vector<FallingSet> thesis_sets() {
+  return {{.lying = {1, 1}, .above = {1, 1, 1}, .corner = {-14, -20}, .spacing = 2.1, .height = 5},
+          {.lying = {10, 1}, .above = {10, 1, 1}, .corner = {-10, -18}, .spacing = 2.5, .height = 26},
+          {.lying = {6, 6}, .above = {6, 6, 6}, .corner = {-5, -3}, .spacing = 2.1, .height = 75}};
+}
+
+void read(const Section& s, Config& config) {
+  s.only({"kind", "segments", "radius", "density", "plate", "shift", "set"});
+  FallingScene scene;
+  scene.segments = s.integer("segments", scene.segments, 1, kMostSegments);
+  scene.radius = s.real("radius", scene.radius, kLength);
+  scene.density = s.real("density", scene.density, kDensity);
+  s.reals("plate", scene.plate, kLength);
+  scene.shift = s.real("shift", scene.shift, kCoordinate);
+  if (!s.has("set")) scene.sets = thesis_sets();
+  std::int64_t spheres = 0;
+  for (const Section& t : s.sections("set")) {
+    t.only({"lying", "above", "corner", "spacing", "height"});
+    FallingSet set;
+    t.integers("lying", set.lying, 0, kMostBodies);
+    t.integers("above", set.above, 0, kMostBodies);
+    t.reals("corner", set.corner, kCoordinate);
+    set.spacing = t.real("spacing", set.spacing, kLength);
+    set.height = t.real("height", set.height, kCoordinate);
+    // At most 1e6 + 1e12 + 1e18: no overflow.
+    spheres += set.lying[0] * set.lying[1] + set.above[0] * set.above[1] * set.above[2];
+    if (spheres > kMostBodies)
+      t.fail("'scene.set' must hold at most " + std::to_string(kMostBodies) + " spheres, not " +
+             std::to_string(spheres) + "; lower 'lying' or 'above'");
+    scene.sets.push_back(set);
+  }
+  if (s.has("set") && spheres == 0) s.fail("'scene.set' must hold at least 1 sphere, not 0; raise 'lying' or 'above'");
+  config.scene = std::move(scene);
+}
+
+void write(const Config& config, TomlText& out) {
+  const FallingScene& scene = std::get<FallingScene>(config.scene);
+  out.line("segments", scene.segments);
+  out.line("radius", scene.radius);
+  out.line("density", scene.density);
+  out.list("plate", scene.plate);
+  out.line("shift", scene.shift);
+  for (const FallingSet& set : scene.sets) {
+    out.table("[[scene.set]]");
+    out.list("lying", set.lying);
+    out.list("above", set.above);
+    out.list("corner", set.corner);
+    out.line("spacing", set.spacing);
+    out.line("height", set.height);
+  }
+}
+
+std::uint64_t sphere_count(const FallingSet& set) {
+  return std::uint64_t(set.lying[0] * set.lying[1] + set.above[0] * set.above[1] * set.above[2]);
+}
+
+SceneSize size(const Config& config) {
+  const FallingScene& scene = std::get<FallingScene>(config.scene);
+  std::uint64_t spheres = 0;
+  for (const FallingSet& set : scene.sets) spheres += sphere_count(set);
+  const std::uint64_t rows = std::uint64_t(scene.segments) + 2;  // geometry::sphere
+  const std::uint64_t vertices = 2 * rows * (rows - 1) + 2, triangles = 4 * rows * (rows - 1);
+  return {.bodies = 1 + spheres,
+          .meshes = 2,
+          .mesh_vertices = 8 + vertices,
+          .mesh_triangles = 12 + triangles,
+          .body_vertices = 8 + spheres * vertices};
+}
+
+/// Body 0 is the plate, then set by set the lying and the upper spheres, x slowest.
+Scene make(const Config& config) {
+  const FallingScene& falling = std::get<FallingScene>(config.scene);
+  Scene scene;
+  geometry::Bodies& bodies = scene.bodies;
+  const auto& plate = falling.plate;
+  bodies.meshes.push_back(geometry::box("plate", {plate[0], plate[1], plate[2]}));
+  bodies.meshes.push_back(geometry::sphere("sphere", falling.radius, falling.segments));
+
+  const auto add = [&](const std::string& name, std::uint32_t mesh, const RigidBody& rigid, double x, double y,
+                       double z) {
+    bodies.name.push_back(name);
+    bodies.mesh.push_back(mesh);
+    bodies.fixed.push_back(rigid.fixed);
+    scene.rigid.push_back(rigid);
+    BodyState state;
+    state.position = {x, y, z};
+    scene.states.push_back(state);
+  };
+
+  RigidBody floor;
+  floor.fixed = true;
+  floor.sphere = false;
+  floor.half_extents = {plate[0] / 2, plate[1] / 2, plate[2] / 2};
+  add("plate", 0, floor, 0, -plate[1] / 2, 0);
+
+  const RigidBody sphere = solid_sphere(bodies.meshes[1], falling.density, config.contact_radius);
+  for (std::size_t s = 0; s < falling.sets.size(); ++s) {
+    const FallingSet& set = falling.sets[s];
+    const std::string prefix = "set" + std::to_string(s + 1);
+    std::int64_t number = 0;
+    for (std::int64_t i = 0; i < set.lying[0]; ++i)
+      for (std::int64_t k = 0; k < set.lying[1]; ++k)
+        add(prefix + "_lying_" + std::to_string(number++), 1, sphere, set.corner[0] + set.spacing * double(i),
+            falling.radius, set.corner[1] + set.spacing * double(k));
+    number = 0;
+    for (std::int64_t i = 0; i < set.above[0]; ++i)
+      for (std::int64_t j = 0; j < set.above[1]; ++j)
+        for (std::int64_t k = 0; k < set.above[2]; ++k)
+          add(prefix + "_above_" + std::to_string(number++), 1, sphere,
+              set.corner[0] + falling.shift + set.spacing * double(i), set.height + set.spacing * double(j),
+              set.corner[1] + falling.shift + set.spacing * double(k));
+  }
+  return scene;
+}
+
+}  // namespace
+
+SceneKind falling_kind() {
+  return {.name = "falling",
+          .what = "sets of spheres fall on a finite plate (thesis, \"Padani\")",
+          .integrated = true,
+          .read = read,
+          .write = write,
+          .size = size,
+          .make = make};
+}
+
+}  // namespace pipeline
