@@ -1,6 +1,7 @@
 // The motion against closed forms, conservation laws and brute force; restarts; every way to fail.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -381,12 +382,11 @@ TEST_P(SimulateBy, DroppedBallBouncesAndSettles) {
   physics.accuracy = 1e-4;
   Simulation simulation({box({5, 1, 5}, true), ball()}, physics, {at({0, -1, 0}), at({0, 1.5, 0})}, 0);
   PhysicsSample sample;
-  double time = 0, highest_after = 0;
+  double highest_after = 0;
   std::int64_t steps = 0, evaluations = 0;
   for (int i = 1; i <= 60; ++i) {
-    time = i / 60.;
-    ASSERT_EQ(simulation.advance_to(time, sample), "");
-    if (time > 0.5) highest_after = std::max(highest_after, simulation.states()[1].position[1]);
+    ASSERT_EQ(simulation.advance_to(i / 60., sample), "");
+    if (i > 30) highest_after = std::max(highest_after, simulation.states()[1].position[1]);
     steps += sample.integrator_steps;
     evaluations += sample.force_evaluations;
     EXPECT_GE(sample.time_ns, sample.contact_time_ns);
