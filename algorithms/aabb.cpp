@@ -1,3 +1,4 @@
+// The boxes: each mesh by columns, turned row by row of the rotation, so that the loops vectorise.
 #include "algorithms/aabb.hpp"
 
 #include <algorithm>

@@ -2,7 +2,8 @@
 //
 // Source  Příbyl 2022, section 4.1, "OBB and per triangle" (key O).
 // Cost    Behind the prefilter, 144 triangle pairs at most; 8 turned corners and 12 triangles per body and step.
-// Misses  A body inside another; what the prefilter misses; bodies turned about more than one axis.
+// Misses  A body inside another; what the prefilter misses; bodies turned about more than one axis or about x beyond 90
+//         degrees, whose box is another one.
 // Extra   Whatever the box adds around the mesh, and coplanar faces, which are "yes" however far apart.
 //
 // The corners are turned about x, y, z by Babylon.js's angles, whose order is z, x, y: published so, and kept. The
