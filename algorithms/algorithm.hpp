@@ -69,7 +69,7 @@ class Method {
   /// enlarge * (size + |t|): asked of conservative methods only, to tell a rounding miss from a broken promise.
   virtual void prepare(std::span<const Pose> poses, double enlarge = 0) = 0;
 
-  /// Appends to `hits` the pairs among `runs` that the algorithm reports, each once. After prepare.
+  /// Appends to `hits` the pairs among `runs` that the algorithm reports, each once, in any order. After prepare.
   virtual void answer(std::span<const PairRun> runs, std::vector<Pair>& hits) = 0;
 
   /// The same answers, and how many elementary tests they took (unit: Algorithm::operations_unit). Not timed.

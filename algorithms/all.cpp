@@ -1,11 +1,14 @@
 // The table of algorithms: one line each, the thesis's nine in its order, then those of other sources.
 #include "algorithms/aabb.hpp"
 #include "algorithms/bounding_sphere.hpp"
+#include "algorithms/cannon.hpp"
 #include "algorithms/facet_distance.hpp"
 #include "algorithms/facet_rotations.hpp"
 #include "algorithms/facet_triangles.hpp"
 #include "algorithms/facet_vectors.hpp"
+#include "algorithms/obb_corners.hpp"
 #include "algorithms/obb_sat.hpp"
+#include "algorithms/obb_triangles.hpp"
 #include "algorithms/rotated_aabb.hpp"
 
 namespace algorithms {
@@ -16,10 +19,14 @@ const std::vector<Algorithm>& all() {
       bounding_sphere(),  //
       rotated_aabb(),     //
       facet_distance(),   //
+      obb_corners(),      //
       facet_vectors(),    //
+      obb_triangles(),    //
       facet_triangles(),  //
       facet_rotations(),  //
       aabb(),             //
+      cannon_naive(),     //
+      cannon_sap(),       //
   };
   return table;
 }

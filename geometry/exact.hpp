@@ -1,8 +1,8 @@
 // The exact answer for two triangles: do they share a point?
 //
-// Triangles are closed sets: touching counts. The answer is exact for the doubles given, also for triangles
-// degenerated to a segment or a point. CGAL's predicates decide (kernel Epick); they are wrong for degenerate
-// triangles, which are answered by separating axes in exact arithmetic (CGAL::Mpzf) instead.
+// Triangles are closed sets: touching counts. The answer is exact for the doubles given, over their whole finite range
+// and also for triangles degenerated to a segment or a point. Most pairs are decided in doubles under a proved error
+// bound; the rest by CGAL's exact predicates.
 #pragma once
 #include <array>
 

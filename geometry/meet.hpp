@@ -4,13 +4,26 @@
 // counts. The answer is exact for the world vertices as rounded by to_world. A body wholly inside another has no
 // crossing triangles and does not meet it.
 #pragma once
+#include <cstdint>
+#include <deque>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "geometry/bodies.hpp"
 #include "geometry/bvh.hpp"
+#include "geometry/exact.hpp"
 
 namespace geometry {
+
+/// A facet in the world.
+struct PlacedFacet {
+  Triangle triangle;
+  Box box;
+};
+
+/// Pairs of nodes of two hierarchies.
+using NodePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 /// Decides a step. Holds the hierarchies' scratch memory: one object per thread. Answers do not depend on what was
 /// asked before.
@@ -19,21 +32,34 @@ class Decision {
   /// `bodies` and `bvhs` (one per distinct mesh) must outlive this object.
   Decision(const Bodies& bodies, std::span<const Bvh> bvhs);
 
-  /// The pairs among `runs` that meet, sorted. `poses` has one pose per body.
+  /// The pairs among `runs` that meet, sorted. `poses` has one pose per body; those of bodies in no run are not read.
   std::vector<Pair> hits(std::span<const Pose> poses, std::span<const PairRun> runs);
 
   /// The same for one pair alone.
   bool meet(std::span<const Pose> poses, Pair pair);
 
  private:
-  void place(std::span<const Pose> poses, std::uint32_t body);
-  bool meet_placed(std::uint32_t a, std::uint32_t b);
+  /// A body in the world. Fixed bodies stay placed while their pose keeps its bits; the others only while they can
+  /// still meet a body, and then leave their memory to the next.
+  struct Placed {
+    Pose pose;
+    std::vector<Vec3> world;  // #vertices
+    std::vector<Box> boxes;   // #nodes
+  };
+
+  const Placed& place(std::span<const Pose> poses, std::uint32_t body);
+  void release(std::uint32_t body);
+  Box world_box(std::span<const Pose> poses, std::uint32_t body);
+  bool meet_placed(std::uint32_t a, const Placed& a_placed, std::uint32_t b, const Placed& b_placed);
 
   const Bodies& bodies_;
   std::span<const Bvh> bvhs_;
-  std::vector<std::vector<Vec3>> world_;  // #bodies x #vertices
-  std::vector<std::vector<Box>> boxes_;   // #bodies x #nodes
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> stack_;
+  std::deque<Placed> placed_;        // references stay valid while it grows
+  std::vector<std::uint32_t> free_;  // indices into placed_
+  std::vector<std::uint32_t> slot_;  // #bodies, index into placed_ or kNone
+  std::vector<Vec3> scratch_;
+  NodePairs stack_;
+  std::vector<PlacedFacet> a_cap_, b_cap_;
 };
 
 std::vector<Bvh> build_bvhs(const Bodies& bodies);

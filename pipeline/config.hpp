@@ -23,12 +23,12 @@ struct FallingSet {
 
 /// kind = "falling": a fixed plate with its top at y = 0 and sets of spheres.
 struct FallingScene {
-  std::int64_t segments = 16;               // of the sphere's mesh
-  double radius = 1;                        // m
-  double density = 1000;                    // kg/m^3
-  std::array<double, 3> plate{60, 2, 60};   // size, m
-  double shift = 0.15;                      // m, of the spheres above in x and z, or all balances on points
-  std::vector<FallingSet> sets;             // the thesis's three when the configuration names none
+  std::int64_t segments = 16;              // of the sphere's mesh
+  double radius = 1;                       // m
+  double density = 1000;                   // kg/m^3
+  std::array<double, 3> plate{60, 2, 60};  // size, m
+  double shift = 0.15;                     // m, of the spheres above in x and z, or all balances on points
+  std::vector<FallingSet> sets;            // the thesis's three when the configuration names none
 };
 
 /// The physical radius of a contact sphere: the shape's, or that of the greatest ball inside its mesh.
@@ -39,14 +39,14 @@ enum class Containment { ignore };
 /// One [[algorithm]].
 struct AlgorithmChoice {
   std::string name;
-  std::string label;         // defaults to the name
-  algorithms::Knobs knobs;   // all of them, presets filled in
+  std::string label;        // defaults to the name
+  algorithms::Knobs knobs;  // all of them, presets filled in
 };
 
 struct Config {
   std::filesystem::path path;  // as given
   std::string text;            // as read
-  std::string effective;       // the whole configuration after defaults and --set, as TOML; reading it gives this Config
+  std::string effective;  // the whole configuration after defaults and --set, as TOML; reading it gives this Config
   std::string title;
   std::int64_t seed = 1;
   std::int64_t steps = 600;  // samples, step 0 included
@@ -64,7 +64,8 @@ struct Config {
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets = {});
 
 /// Reads TOML text as if from `path`. For tests and for configurations kept in result files.
-Config parse_config(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets = {});
+Config parse_config(const std::string& text, const std::filesystem::path& path,
+                    const std::vector<std::string>& sets = {});
 
 /// An --algorithm argument, "NAME[:knob=value,...][@LABEL]". Throws Error(kInput) naming the argument.
 AlgorithmChoice parse_algorithm(const std::string& argument);

@@ -1,8 +1,8 @@
 // Motion by Simbody behind a plain interface. C++17 without Eigen: this header is all that the rest of the program
 // sees of the one target that includes Simbody (its headers are not valid C++20).
 //
-// Contact is our own Force::Custom: Hunt-Crossley (Hertz with dissipation) and Simbody's friction law, sphere with sphere
-// on a uniform grid and sphere with finite box. Box with box has no contact.
+// Contact is our own Force::Custom: Hunt-Crossley (Hertz with dissipation) and Simbody's friction law, sphere with
+// sphere on a uniform grid and sphere with finite box. Box with box has no contact.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -26,11 +26,11 @@ struct Material {
 /// A sphere or a box, of uniform density, centred on its frame's origin.
 struct RigidBody {
   bool fixed = false;
-  bool sphere = true;                       // else a box
-  double radius = 1;                        // of contact, m (spheres)
-  std::array<double, 3> half_extents{};     // m (boxes)
-  double mass = 1;                          // kg; ignored when fixed
-  double inertia = 1;                       // kg m^2 about every axis (spheres); ignored when fixed
+  bool sphere = true;                    // else a box
+  double radius = 1;                     // of contact, m (spheres)
+  std::array<double, 3> half_extents{};  // m (boxes)
+  double mass = 1;                       // kg; ignored when fixed
+  double inertia = 1;                    // kg m^2 about every axis (spheres; a box's follows from its mass)
 };
 
 /// What changes of a body: position m, orientation (w x y z), velocity m/s, angular velocity rad/s in ground.
@@ -44,21 +44,21 @@ struct BodyState {
 /// How to integrate, and when to give up.
 struct Physics {
   std::string integrator = "RungeKuttaMerson";
-  double accuracy = 1e-3;
+  double accuracy = 1e-3;  // of a step, relative; SemiExplicitEuler controls no error: its step in s (at most 0.01)
   std::array<double, 3> gravity{0, -9.81, 0};  // m/s^2; all zero: no gravity force is made
   double linear_damping = 0.1;                 // 1/s: force -m c v
   double angular_damping = 0.8;                // 1/s: torque -I c w
   Material material;
   std::int64_t step_budget = 100000;  // internal steps per sample; more is a failure
-  double time_budget = 3600;          // s of wall time for the whole motion; more is a failure
-  double energy_bound = 10;           // total energy above this multiple of the reference is a failure
+  double time_budget = 3600;  // s of wall time of one Simulation (a restart is given what is left); more is a failure
+  double energy_bound = 10;   // total energy above this multiple of the reference is a failure
 };
 
 /// What the integrator did since the sample before (counts, time) and what holds at the sample.
 struct PhysicsSample {
-  double energy = 0;               // J, kinetic + gravity + elastic; gravity counted from y = 0
-  double kinetic_energy = 0;       // J
-  double greatest_penetration = 0; // m, 0 without contact
+  double energy = 0;                // J, kinetic + gravity + elastic; gravity counted from y = 0
+  double kinetic_energy = 0;        // J
+  double greatest_penetration = 0;  // m, 0 without contact
   std::int64_t contacts = 0;
   std::int64_t integrator_steps = 0;
   std::int64_t rejected_steps = 0;
@@ -74,8 +74,11 @@ const std::vector<std::string>& integrator_names();
 /// constructed from them: the run restarts it every 50 steps, so that a resumed run has the same bits.
 class Simulation {
  public:
-  /// Starts at `time` s from `states` (one per body). `reference_energy` J is what energy_bound multiplies; 0 or less:
-  /// it is made from the states (kinetic energy + m |g| height above the lowest moving body, at least a tiny positive).
+  /// Starts at `time` s from `states` (one per body); quaternions are normalised. `reference_energy` J is what
+  /// energy_bound multiplies; 0 or less: it is made from the states (kinetic + elastic energy + sum of m |g| (|height
+  /// over y = 0| + size), so never less than the energy at the start; at least a tiny positive). Steps are at most 0.01
+  /// s, so that nothing crosses a plate unseen. Throws std::invalid_argument for values out of range or not finite, an
+  /// unknown integrator, or when no body moves.
   Simulation(const std::vector<RigidBody>& bodies, const Physics& physics, const std::vector<BodyState>& states,
              double time, double reference_energy = 0);
   ~Simulation();
@@ -86,7 +89,8 @@ class Simulation {
   PhysicsSample sample();
 
   /// Integrates to `time` s. Empty when it went well; otherwise why it failed (exception text, NaN, energy, budget):
-  /// the object is then of no more use. Never throws for what the integrator does, never hangs.
+  /// the object is then of no more use. Never throws for what the integrator does, never hangs. `time` is not before
+  /// the present; how often it is called does not change the steps, only which of them are interpolated for the caller.
   std::string advance_to(double time, PhysicsSample& sample);
 
   /// States at the present time as the integrator has them: quaternions have drifted from unit length by about the

@@ -1,1 +1,581 @@
+// Writes a layout as HDF5, and reads a result back.
+//
+// HDF5 writes into memory and the program writes the bytes: a full disk is then an ordinary failed write with its
+// errno, while HDF5 1.10 can neither flush nor close a file when the disk is full.
 #include "pipeline/store.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "pipeline/digest.hpp"
+#include "pipeline/error.hpp"
+#include "pipeline/h5.hpp"
+#include "pipeline/layout.hpp"
+
+namespace pipeline {
+namespace {
+
+using std::filesystem::path;
+
+// ---- writing HDF5 ----
+
+// Measured on 600 steps x 275 bodies x 11 algorithms with 460 hits: levels 1, 4, 6 give 9.4, 9.1, 9.1 MB in 1.05, 1.24,
+// 1.6 s (two busy cores); chunks of 64, 256, 512, 1000 KiB at level 1 give 10.4, 9.5, 9.4, 9.3 MB in about the same
+// time.
+constexpr unsigned kDeflate = 1;
+// A chunk in bytes, about: below HDF5's chunk cache of 1 MiB, so that readers of parts do not inflate a chunk twice.
+constexpr std::uint64_t kChunkBytes = 512 << 10;
+// Datasets of fixed size below this lie unchunked.
+constexpr std::uint64_t kSmallBytes = 4096;
+
+hid_t h5_type(Type type, const h5::Type& text) {
+  switch (type) {
+    case Type::f64:
+      return H5T_IEEE_F64LE;
+    case Type::i64:
+      return H5T_STD_I64LE;
+    case Type::u64:
+      return H5T_STD_U64LE;
+    case Type::u32:
+      return H5T_STD_U32LE;
+    case Type::u8:
+      return H5T_STD_U8LE;
+    case Type::text:
+      return text.id();
+  }
+  return H5I_INVALID_HID;
+}
+
+/// Chunks are cut along the first dimension only, into equal parts.
+std::vector<hsize_t> chunk_of(const Dataset& dataset) {
+  std::vector<hsize_t> chunk(dataset.shape.begin(), dataset.shape.end());
+  const std::uint64_t rows = std::max<std::uint64_t>(chunk[0], 1);
+  std::uint64_t row_bytes = size_of(dataset.type);
+  for (std::size_t d = 1; d < chunk.size(); ++d) row_bytes *= chunk[d];
+  const std::uint64_t most = std::max<std::uint64_t>(kChunkBytes / row_bytes, 1);
+  const std::uint64_t parts = (rows + most - 1) / most;
+  chunk[0] = (rows + parts - 1) / parts;
+  return chunk;
+}
+
+/// Puts groups into an open file. Scales are in the root, which comes first, or in the group that uses them.
+class Writer {
+ public:
+  explicit Writer(hid_t file) : file_(file) {}
+
+  void add(const Group& group) {
+    if (group.path != "/") make_group(group.path);
+    for (const Attribute& attribute : group.attributes) add(group.path, attribute);
+    for (const Dataset& dataset : group.datasets) add(group.path, dataset);
+    // A group's own scales are of no use to others; thousands of open ones make HDF5 slow.
+    if (group.path != "/") std::erase_if(scales_, [&](const auto& scale) { return scale.first.rfind('/') != 0; });
+  }
+
+  void add(const std::string& object_path, const Attribute& attribute) {
+    const h5::Handle<H5Oclose> object(H5Oopen(file_, object_path.c_str(), H5P_DEFAULT), "open " + object_path);
+    h5::write_attribute(object.id(), attribute.name, attribute.value);
+  }
+
+ private:
+  void make_group(const std::string& path) {
+    const h5::Properties links(H5Pcreate(H5P_LINK_CREATE), "make properties");
+    h5::check(H5Pset_create_intermediate_group(links.id(), 1), "make groups above " + path);
+    const h5::Properties properties(H5Pcreate(H5P_GROUP_CREATE), "make properties");
+    h5::check(H5Pset_link_creation_order(properties.id(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
+              "keep the order of " + path);
+    h5::check(H5Pset_obj_track_times(properties.id(), false), "leave out times");
+    const std::string above = path.substr(0, path.rfind('/'));
+    if (!above.empty() && !h5::exists(file_, above)) make_group(above);
+    h5::Group(H5Gcreate2(file_, path.c_str(), links.id(), properties.id(), H5P_DEFAULT), "make " + path);
+  }
+
+  void add(const std::string& group, const Dataset& dataset) {
+    const std::string& path = dataset.path;
+    const h5::Space space = space_of(dataset);
+    const h5::Properties properties = properties_of(dataset);
+    const hid_t type = h5_type(dataset.type, text_);
+    h5::Dataset made(H5Dcreate2(file_, path.c_str(), type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+                     "make " + path);
+    if (!dataset.bytes.empty()) {
+      h5::check(H5Dwrite(made.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, dataset.bytes.data()), "write " + path);
+    } else if (!dataset.text.empty()) {
+      std::vector<const char*> texts;
+      for (const std::string& text : dataset.text) texts.push_back(text.c_str());
+      h5::check(H5Dwrite(made.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()), "write " + path);
+    }
+    h5::write_attribute(made.id(), "units", dataset.units);
+    h5::write_attribute(made.id(), "long_name", dataset.long_name);
+    for (const Attribute& attribute : dataset.attributes)
+      h5::write_attribute(made.id(), attribute.name, attribute.value);
+
+    if (dataset.scale != Scale::none) {
+      std::string name(base_name(path));
+      if (dataset.scale == Scale::bare) {
+        // The words by which netCDF, h5netcdf and xarray know a dimension without a variable, then its size in 10
+        // places.
+        const std::string size = std::to_string(dataset.shape[0]);
+        name = "This is a netCDF dimension but not a netCDF variable.";
+        name.append(10 - std::min<std::size_t>(size.size(), 10), ' ').append(size);
+      }
+      h5::check(H5DSset_scale(made.id(), name.c_str()), "make a scale of " + path);
+      scales_.try_emplace(path, OpenScale{std::move(made), dataset.grows});
+      return;
+    }
+    for (unsigned d = 0; d < dataset.dims.size(); ++d) {
+      const std::string& scale = dataset.dims[d];
+      h5::check(H5DSattach_scale(made.id(), scales_.at(scale).dataset.id(), d), "attach " + scale + " to " + path);
+      link(scale, group);
+    }
+  }
+
+  /// Links a scale into a group that uses it, so that the group can be opened alone.
+  void link(const std::string& scale, const std::string& group) {
+    const std::string name = (group == "/" ? "" : group) + "/" + std::string(base_name(scale));
+    if (!h5::exists(file_, name))
+      h5::check(H5Lcreate_hard(file_, scale.c_str(), file_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT), "link " + name);
+  }
+
+  bool grows(const Dataset& dataset, std::size_t dimension) const {
+    if (dataset.scale != Scale::none) return dataset.grows;
+    return scales_.at(dataset.dims[dimension]).grows;
+  }
+
+  h5::Space space_of(const Dataset& dataset) const {
+    if (dataset.shape.empty()) return h5::scalar();
+    std::vector<hsize_t> size(dataset.shape.begin(), dataset.shape.end()), most = size;
+    for (std::size_t d = 0; d < most.size(); ++d)
+      if (grows(dataset, d)) most[d] = H5S_UNLIMITED;
+    return {H5Screate_simple(static_cast<int>(size.size()), size.data(), most.data()), "shape " + dataset.path};
+  }
+
+  h5::Properties properties_of(const Dataset& dataset) const {
+    h5::Properties properties(H5Pcreate(H5P_DATASET_CREATE), "make properties");
+    h5::check(H5Pset_obj_track_times(properties.id(), false), "leave out times");
+    if (dataset.shape.empty()) return properties;
+    bool growing = false;
+    for (std::size_t d = 0; d < dataset.shape.size(); ++d) growing = growing || grows(dataset, d);
+    if (!growing && dataset.bytes.size() < kSmallBytes) return properties;
+    const auto chunk = chunk_of(dataset);
+    h5::check(H5Pset_chunk(properties.id(), static_cast<int>(chunk.size()), chunk.data()), "chunk " + dataset.path);
+    h5::check(H5Pset_shuffle(properties.id()), "shuffle " + dataset.path);
+    h5::check(H5Pset_deflate(properties.id(), kDeflate), "deflate " + dataset.path);
+    return properties;
+  }
+
+  struct OpenScale {
+    h5::Dataset dataset;
+    bool grows;
+  };
+
+  hid_t file_;
+  h5::Type text_ = h5::text_type();
+  std::map<std::string, OpenScale> scales_;  // by path
+};
+
+/// The file's bytes. The same groups give the same bytes.
+std::vector<std::byte> image(const std::vector<Group>& groups, const std::map<std::string, std::string>& digests) {
+  h5::silence();
+  const h5::Properties access(H5Pcreate(H5P_FILE_ACCESS), "make properties");
+  h5::check(H5Pset_fapl_core(access.id(), 16 << 20, false), "write into memory");
+  // The oldest format that holds everything: any reader since HDF5 1.8 reads it. From superblock 2 on, 1.10.8's
+  // H5Fget_file_image clears a flag without renewing the checksum: its image cannot be opened.
+  h5::check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18), "choose the format");
+  const h5::Properties creation(H5Pcreate(H5P_FILE_CREATE), "make properties");
+  h5::check(H5Pset_link_creation_order(creation.id(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED), "keep order");
+  h5::check(H5Pset_obj_track_times(creation.id(), false), "leave out times");
+  const h5::File file(H5Fcreate("result", H5F_ACC_TRUNC, creation.id(), access.id()), "make a file in memory");
+
+  Writer writer(file.id());
+  for (const Group& group : groups) writer.add(group);
+  for (const auto& [group, digest] : digests) writer.add(group, {"digest", digest});
+  writer.add("/", {"digest_algorithm", std::string(kDigestAlgorithm)});
+
+  h5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "flush");
+  std::vector<std::byte> bytes(h5::check(H5Fget_file_image(file.id(), nullptr, 0), "size the file"));
+  h5::check(H5Fget_file_image(file.id(), bytes.data(), bytes.size()), "copy the file");
+  return bytes;
+}
+
+// ---- the disk ----
+
+/// A file that is being written beside its target, removed again unless it was renamed into place.
+class Replacement {
+ public:
+  explicit Replacement(const path& target) : target_(target) {
+    temporary_ = target.parent_path() / ("." + target.filename().string() + "." + std::to_string(getpid()) + ".tmp");
+    struct stat status;
+    if (stat(target.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
+      throw Error(kFile, target.string() + ": is not a regular file; name another with -o");
+    file_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file_ < 0) fail();
+  }
+  Replacement(const Replacement&) = delete;
+  ~Replacement() {
+    if (file_ >= 0) close(file_);
+    if (!done_) unlink(temporary_.c_str());
+  }
+
+  void write(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::write(file_, bytes.data(), bytes.size());
+      if (written < 0 && errno != EINTR) fail();
+      if (written > 0) bytes = bytes.subspan(written);
+    }
+  }
+
+  void rename_into_place() {
+    if (fsync(file_) != 0) fail();
+    if (close(std::exchange(file_, -1)) != 0) fail();
+    if (rename(temporary_.c_str(), target_.c_str()) != 0) fail();
+    done_ = true;
+    const path folder = target_.has_parent_path() ? target_.parent_path() : path(".");
+    const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (opened < 0) return;  // a folder that cannot be read can still be written to
+    fsync(opened);           // EINVAL where folders cannot be synced: nothing more can be done
+    close(opened);
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    const int error = errno;
+    throw Error(kFile, target_.string() + ": cannot be written (" + std::strerror(error) +
+                           "); free or allow the place, or name another with -o");
+  }
+
+  path target_, temporary_;
+  int file_ = -1;
+  bool done_ = false;
+};
+
+// ---- reading ----
+
+/// Any size, in an expected shape.
+constexpr std::uint64_t kAny = ~std::uint64_t{0};
+using Shape = std::vector<std::uint64_t>;
+
+/// Reads datasets of an open file. Throws h5::Failure when one is missing or has another type or shape.
+class Reader {
+ public:
+  explicit Reader(hid_t file) : file_(file) {}
+
+  bool has(const std::string& path) const { return h5::exists(file_, path); }
+
+  template <typename T>
+  T attribute(const std::string& object, const std::string& name) const {
+    return h5::read_attribute<T>(file_, object, name);
+  }
+
+  /// Values of `type`, which T must match or be made of.
+  template <typename T>
+  std::vector<T> values(const std::string& path, Type type, const Shape& expected) const {
+    const h5::Dataset dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "open " + path);
+    const std::uint64_t elements = opened_elements(dataset, path, type, expected);
+    std::vector<T> out(elements * size_of(type) / sizeof(T));
+    if (!out.empty())
+      h5::check(H5Dread(dataset.id(), h5_type(type, text_), H5S_ALL, H5S_ALL, H5P_DEFAULT, out.data()), "read " + path);
+    return out;
+  }
+
+  std::vector<std::string> texts(const std::string& path, const Shape& expected) const {
+    const h5::Dataset dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "open " + path);
+    std::vector<char*> data(opened_elements(dataset, path, Type::text, expected));
+    std::vector<std::string> out;
+    if (data.empty()) return out;
+    h5::check(H5Dread(dataset.id(), text_.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()), "read " + path);
+    for (const char* text : data) out.emplace_back(text ? text : "");
+    const h5::Space space(H5Dget_space(dataset.id()), "shape " + path);
+    H5Dvlen_reclaim(text_.id(), space.id(), H5P_DEFAULT, data.data());
+    return out;
+  }
+
+  /// Lists of pairs of a group; sorted within a step, a < b < bodies.
+  PairLists pairs(const std::string& group, std::uint64_t steps, std::uint64_t bodies) const {
+    PairLists out;
+    out.offset = values<std::uint64_t>(group + "/pair_offset", Type::u64, {steps + 1});
+    out.pair = values<Pair>(group + "/pair", Type::u32, {kAny, 2});
+    bool sound = out.offset.front() == 0 && out.offset.back() == out.pair.size() &&
+                 std::ranges::is_sorted(out.offset) &&
+                 std::ranges::all_of(out.pair, [&](const Pair& pair) { return pair.a < pair.b && pair.b < bodies; });
+    for (std::uint64_t s = 0; sound && s < steps; ++s)
+      sound = std::ranges::adjacent_find(out.at(s), std::ranges::greater_equal()) == out.at(s).end();
+    if (!sound) throw h5::Failure(group + ": pairs or offsets are not in order");
+    return out;
+  }
+
+  std::vector<std::string> names_in(const std::string& group) const { return h5::names_in(file_, group); }
+
+ private:
+  /// The number of elements, after checking type and shape.
+  std::uint64_t opened_elements(const h5::Dataset& dataset, const std::string& path, Type type,
+                                const Shape& expected) const {
+    const h5::Space space(H5Dget_space(dataset.id()), "shape " + path);
+    const h5::Type stored(H5Dget_type(dataset.id()), "find the type of " + path);
+    Shape shape(h5::check(H5Sget_simple_extent_ndims(space.id()), "shape " + path));
+    static_assert(std::is_same_v<hsize_t, unsigned long long> && sizeof(hsize_t) == sizeof(std::uint64_t));
+    std::vector<hsize_t> sizes(shape.size());
+    H5Sget_simple_extent_dims(space.id(), sizes.data(), nullptr);
+    std::ranges::copy(sizes, shape.begin());
+    bool same = shape.size() == expected.size();
+    for (std::size_t d = 0; same && d < shape.size(); ++d) same = expected[d] == kAny || expected[d] == shape[d];
+    if (!same || H5Tequal(stored.id(), h5_type(type, text_)) <= 0)
+      throw h5::Failure(path + ": its shape or type is not that of a result");
+    std::uint64_t elements = 1;
+    for (const std::uint64_t size : shape) elements *= size;
+    return elements;
+  }
+
+  hid_t file_;
+  h5::Type text_ = h5::text_type();
+};
+
+double sphere_radius(const std::string& shape) {
+  const auto json = nlohmann::json::parse(shape, nullptr, false);
+  return json.is_object() && json.value("kind", "") == "sphere" ? json.value("radius", 0.0) : 0.0;
+}
+
+geometry::Mesh read_mesh(const Reader& from, const std::string& name) {
+  const std::string path = "/meshes/" + name;
+  geometry::Mesh mesh;
+  mesh.name = name;
+  mesh.vertices = from.values<geometry::Vec3>(path + "/vertices", Type::f64, {kAny, 3});
+  mesh.triangles = from.values<geometry::Facet>(path + "/triangles", Type::u32, {kAny, 3});
+  for (const geometry::Facet& facet : mesh.triangles)
+    if (std::ranges::any_of(facet, [&](std::uint32_t corner) { return corner >= mesh.vertices.size(); }))
+      throw h5::Failure(path + ": a triangle has no such vertex");
+  mesh.shape = from.attribute<std::string>(path, "shape");
+  mesh.surface_deviation = from.attribute<double>(path, "surface_deviation");
+  mesh.sphere_radius = sphere_radius(mesh.shape);
+  return mesh;
+}
+
+geometry::Bodies read_bodies(const Reader& from) {
+  geometry::Bodies bodies;
+  for (const std::string& name : from.names_in("/meshes")) bodies.meshes.push_back(read_mesh(from, name));
+  bodies.name = from.texts("/body", {kAny});
+  const std::uint64_t count = bodies.name.size();
+  for (const std::string& name : from.texts("/bodies/mesh", {count})) {
+    const auto found = std::ranges::find(bodies.meshes, name, &geometry::Mesh::name);
+    if (found == bodies.meshes.end()) throw h5::Failure("/bodies/mesh: there is no mesh '" + name + "'");
+    bodies.mesh.push_back(static_cast<std::uint32_t>(found - bodies.meshes.begin()));
+  }
+  bodies.fixed = from.values<std::uint8_t>("/bodies/fixed", Type::u8, {count});
+  if (from.has("/bodies/chosen")) bodies.chosen = from.values<std::uint8_t>("/bodies/chosen", Type::u8, {count});
+  return bodies;
+}
+
+std::vector<std::vector<geometry::Pose>> read_motion(const Reader& from, std::uint64_t steps, std::uint64_t bodies) {
+  const auto position = from.values<double>("/motion/position", Type::f64, {steps, bodies, 3});
+  const auto orientation = from.values<double>("/motion/orientation", Type::f64, {steps, bodies, 4});
+  std::vector<std::vector<geometry::Pose>> motion(steps, std::vector<geometry::Pose>(bodies));
+  const double* t = position.data();
+  const double* q = orientation.data();
+  for (auto& poses : motion)
+    for (geometry::Pose& pose : poses) {
+      pose = {{q[0], q[1], q[2], q[3]}, {t[0], t[1], t[2]}};
+      t += 3;
+      q += 4;
+    }
+  return motion;
+}
+
+PhysicsRows read_physics(const Reader& from, std::uint64_t steps) {
+  PhysicsRows physics;
+  physics.status = from.attribute<std::string>("/physics", "status");
+  physics.rows.resize(steps);
+  const auto fill = [&]<typename Stored>(const auto& columns, Type type, Stored) {
+    for (const auto& column : columns) {
+      const auto values = from.values<Stored>(std::string("/physics/") + column.name, type, {steps});
+      for (std::size_t s = 0; s < steps; ++s) physics.rows[s].*column.member = static_cast<Stored>(values[s]);
+    }
+  };
+  fill(kPhysicsReals, Type::f64, double{});
+  fill(kPhysicsCounts, Type::u64, std::uint64_t{});
+  fill(kPhysicsTimes, Type::i64, std::int64_t{});
+  return physics;
+}
+
+std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::uint64_t bodies) {
+  std::vector<Answers> all;
+  for (const std::string& label : from.texts("/algorithm", {kAny})) {
+    const std::string path = "/answers/" + label;
+    const auto text = [&](const char* name) { return from.attribute<std::string>(path, name); };
+    Answers answers;
+    answers.label = label;
+    answers.name = text("name");
+    answers.knobs = text("knobs");
+    answers.promise = text("promise");
+    answers.thesis_key = text("thesis_key");
+    answers.operations_unit = text("operations_unit");
+    answers.scope = text("scope");
+    answers.machine = {text("timing_host"), text("timing_processor"), text("timing_build"), text("timing_date")};
+    answers.hits = from.pairs(path, steps, bodies);
+    all.push_back(std::move(answers));
+  }
+  const auto fill = [&]<typename Stored>(const auto& columns, Type type, Stored) {
+    for (const auto& column : columns) {
+      const auto table = from.values<Stored>(std::string("/results/") + column.name, type, {steps, all.size()});
+      for (std::size_t a = 0; a < all.size(); ++a) {
+        auto& values = all[a].*column.member;
+        values.resize(steps);
+        for (std::size_t s = 0; s < steps; ++s) values[s] = table[s * all.size() + a];
+      }
+    }
+  };
+  fill(kResultTimes, Type::i64, std::int64_t{});
+  fill(kResultCounts, Type::u64, std::uint64_t{});
+  return all;
+}
+
+std::vector<Summary> read_summary(const Reader& from, std::uint64_t algorithms) {
+  std::vector<Summary> rows(algorithms);
+  const auto fill = [&]<typename Stored>(const auto& column, Type type, Stored) {
+    const auto values = from.values<Stored>(std::string("/summary/") + column.name, type, {algorithms});
+    for (std::size_t a = 0; a < algorithms; ++a) rows[a].*column.member = values[a];
+  };
+  for (const auto& column : kSummaryCounts) fill(column, Type::u64, std::uint64_t{});
+  for (const auto& column : kSummaryReals) fill(column, Type::f64, double{});
+  fill(Column<Summary, bool>{"promise_kept", &Summary::promise_kept, "", ""}, Type::u8, std::uint8_t{});
+  return rows;
+}
+
+Provenance read_provenance(const Reader& from) {
+  const auto root = [&](const char* name) { return from.attribute<std::string>("/", name); };
+  const auto run = [&](const char* name) { return from.attribute<std::string>("/run", name); };
+  Provenance out;
+  out.creator = root("creator");
+  out.git_commit = root("git_commit");
+  out.build_type = root("build_type");
+  out.compiler = root("compiler");
+  out.flags = root("flags");
+  out.library_versions = root("library_versions");
+  out.config_sha256 = root("config_sha256");
+  out.inputs_sha256 = root("inputs_sha256");
+  out.date = run("date");
+  out.host = run("host");
+  out.processor = run("processor");
+  out.wall_time_s = from.attribute<double>("/run", "wall_time_s");
+  return out;
+}
+
+Result read_all(const Reader& from) {
+  Result result;
+  result.title = from.attribute<std::string>("/", "title");
+  result.config_text = from.texts("/config", {}).at(0);
+  result.config_effective = from.attribute<std::string>("/config", "effective");
+  result.rate = from.attribute<double>("/time", "rate");
+  const std::uint64_t steps = from.values<std::int64_t>("/step", Type::i64, {kAny}).size();
+  result.bodies = read_bodies(from);
+  const std::uint64_t bodies = result.bodies.size();
+  result.first_step = from.values<std::int64_t>("/bodies/first_step", Type::i64, {bodies});
+  result.motion = read_motion(from, steps, bodies);
+  if (from.has("/physics")) result.physics = read_physics(from, steps);
+  result.truth.hits = from.pairs("/truth", steps, bodies);
+  result.truth.time_ns = from.values<std::int64_t>("/truth/time_ns", Type::i64, {steps});
+  if (from.has("/algorithm")) {
+    result.answers = read_answers(from, steps, bodies);
+    result.summary = read_summary(from, result.answers.size());
+  }
+  result.provenance = read_provenance(from);
+  result.digest = from.attribute<std::string>("/", "digest");
+  return result;
+}
+
+/// Opens a file of ours for reading, or says why it is not one.
+h5::File open_result(const path& path) {
+  const std::string place = path.string();
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0)
+    throw Error(kFile, place + ": cannot be read (" + std::strerror(errno) + "); name a result of `pipeline run`");
+  close(file);
+  if (std::filesystem::is_directory(path))
+    throw Error(kFile, place + ": is a folder, not a file; name a result of `pipeline run`");
+
+  h5::silence();
+  if (H5Fis_hdf5(place.c_str()) <= 0)
+    throw Error(kFile, place + ": is not an HDF5 file; name a result of `pipeline run`");
+  const h5::Properties access(H5Pcreate(H5P_FILE_ACCESS), "make properties");
+  // Results are never changed in place, so nothing need be locked; locking fails on some network disks.
+  h5::check(H5Pset_file_locking(access.id(), false, true), "read without locking");
+  const hid_t opened = H5Fopen(place.c_str(), H5F_ACC_RDONLY, access.id());
+  if (opened < 0) {
+    const bool truncated = h5::reason().find("truncated") != std::string::npos;
+    throw Error(kFile, place + (truncated ? ": is truncated, its end is missing" : ": is damaged" + h5::reason()) +
+                           "; copy it again, or run again with --force");
+  }
+  h5::File result(opened, "open");
+  if (H5Aexists(result.id(), "schema_version") <= 0)
+    throw Error(kFile, place +
+                           ": is an HDF5 file of another program (it has no attribute schema_version); "
+                           "name a result of `pipeline run`");
+  return result;
+}
+
+void check_schema(const Reader& reader, const std::string& place) {
+  const auto version = reader.attribute<std::int64_t>("/", "schema_version");
+  if (version > kSchemaVersion)
+    throw Error(kFile, place + ": has schema version " + std::to_string(version) + ", this program reads up to " +
+                           std::to_string(kSchemaVersion) + "; use a newer program");
+  if (version < 1)
+    throw Error(kFile, place + ": has schema version " + std::to_string(version) +
+                           ", which never existed; run again with --force");
+}
+
+}  // namespace
+
+std::map<std::string, std::string> digests(const Result& result) { return digests(layout(result)); }
+
+void write_result(Result& result, const path& path) {
+  try {
+    Replacement file(path);  // first: a place that cannot be written is said before the work
+    const auto groups = layout(result);
+    const auto all = digests(groups);
+    file.write(image(groups, all));
+    file.rename_into_place();
+    result.digest = all.at("/");
+  } catch (const h5::Failure& failure) {
+    throw Error(kFile, path.string() + ": " + failure.what() + "; please report this");
+  }
+}
+
+Result read_result(const path& path) {
+  const std::string place = path.string();
+  const auto damaged = [&](const std::string& what) {
+    return Error(kFile, place + ": is damaged: " + what + "; copy it again, or run again with --force");
+  };
+  try {
+    const h5::File file = open_result(path);
+    const Reader reader(file.id());
+    check_schema(reader, place);
+    Result result = read_all(reader);
+    if (digests(result).at("/") != result.digest) throw h5::Failure("its content does not have its digest");
+    return result;
+  } catch (const h5::Failure& failure) {
+    throw damaged(failure.what());
+  } catch (const std::length_error&) {
+    throw damaged("a dataset has an impossible size");
+  } catch (const std::bad_alloc&) {
+    throw Error(kFile, place + ": needs more memory than there is, or is damaged; free memory or copy it again");
+  }
+}
+
+std::uint64_t estimated_bytes(std::uint64_t steps, std::uint64_t bodies, std::uint64_t algorithms,
+                              std::uint64_t mesh_bytes) {
+  constexpr std::uint64_t kHitsPerBody = 4;  // of one algorithm at one step; a heap at rest has about 3
+  constexpr std::uint64_t kPose = 7 * 8, kPair = 8, kColumn = 8;
+  constexpr std::uint64_t kNames = 1 << 16;                            // attributes, names, HDF5's own
+  const std::uint64_t list = kHitsPerBody * bodies * kPair + kColumn;  // the pairs of one step, and their offset
+  const std::uint64_t results = (std::size(kResultTimes) + std::size(kResultCounts) + 1) * kColumn;
+  const std::uint64_t physics =
+      (std::size(kPhysicsReals) + std::size(kPhysicsCounts) + std::size(kPhysicsTimes)) * kColumn;
+  return kNames + mesh_bytes + steps * (bodies * kPose + physics + (algorithms + 1) * list + algorithms * results);
+}
+
+}  // namespace pipeline

@@ -16,13 +16,16 @@ constexpr int kSchemaVersion = 1;
 /// Fills in `result.digest`. Throws Error(kFile).
 void write_result(Result& result, const std::filesystem::path& path);
 
-/// Reads a whole result. Throws Error(kFile) when the file is missing, not HDF5, not ours, truncated or newer.
+/// Reads a whole result. Throws Error(kFile) when the file is missing, not HDF5, not ours, truncated, damaged (its
+/// content does not have its digest) or newer.
 Result read_result(const std::filesystem::path& path);
 
 /// The digests of a result: "/motion", "/truth", "/answers/<label>" and "/" (README, "The digest").
 std::map<std::string, std::string> digests(const Result& result);
 
-/// Estimated bytes of the file, before deflate.
-std::uint64_t estimated_bytes(const Result& plan, std::uint64_t steps, std::uint64_t algorithms);
+/// Estimated bytes of the file before deflate, at 4 hits per body, step and algorithm. `mesh_bytes` are those of the
+/// distinct meshes: 24 a vertex and 12 a triangle.
+std::uint64_t estimated_bytes(std::uint64_t steps, std::uint64_t bodies, std::uint64_t algorithms,
+                              std::uint64_t mesh_bytes);
 
 }  // namespace pipeline

@@ -1,0 +1,17 @@
+// obb_triangles: tests the 12 outer triangles of one turned box against the 12 of the other, 11 axes each.
+//
+// Source  Příbyl 2022, section 4.1, "OBB and per triangle" (key O).
+// Cost    Behind the prefilter, 144 triangle pairs at most; 8 turned corners and 12 triangles per body and step.
+// Misses  A body inside another; what the prefilter misses; bodies turned about more than one axis.
+// Extra   Whatever the box adds around the mesh, and coplanar faces, which are "yes" however far apart.
+//
+// The corners are turned about x, y, z by Babylon.js's angles, whose order is z, x, y: published so, and kept. The
+// triangle test is geometry/triangle.hpp's. Touching is a hit.
+#pragma once
+#include "algorithms/algorithm.hpp"
+
+namespace algorithms {
+
+Algorithm obb_triangles();
+
+}  // namespace algorithms

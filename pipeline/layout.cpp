@@ -1,0 +1,348 @@
+// The file's contents as README's "The file" lists them, group by group.
+#include "pipeline/layout.hpp"
+
+#include <bit>
+#include <cassert>
+#include <concepts>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+#include "pipeline/store.hpp"
+
+namespace pipeline {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "values are stored as they lie in memory");
+static_assert(sizeof(Pair) == 8 && sizeof(geometry::Facet) == 12 && sizeof(geometry::Vec3) == 24,
+              "pairs, facets and vertices are stored as they lie in memory");
+
+template <typename T>
+constexpr Type type_of() {
+  if constexpr (std::same_as<T, double>) return Type::f64;
+  if constexpr (std::same_as<T, std::int64_t>) return Type::i64;
+  if constexpr (std::same_as<T, std::uint64_t>) return Type::u64;
+  if constexpr (std::same_as<T, std::uint32_t>) return Type::u32;
+  if constexpr (std::same_as<T, std::uint8_t>) return Type::u8;
+}
+
+/// A dimension: its size and the path of its scale.
+struct Dimension {
+  std::string scale;
+  std::uint64_t size;
+};
+
+Dataset described(std::string path, Type type, const std::vector<Dimension>& dims, std::string units,
+                  std::string long_name) {
+  Dataset dataset;
+  dataset.path = std::move(path);
+  dataset.type = type;
+  for (const Dimension& dim : dims) {
+    dataset.shape.push_back(dim.size);
+    dataset.dims.push_back(dim.scale);
+  }
+  dataset.units = std::move(units);
+  dataset.long_name = std::move(long_name);
+  return dataset;
+}
+
+/// A dataset of what lies in memory elsewhere, row by row.
+template <typename T>
+Dataset viewed(std::string path, std::span<const T> values, const std::vector<Dimension>& dims, std::string units,
+               std::string long_name, Type type = type_of<T>()) {
+  Dataset dataset = described(std::move(path), type, dims, std::move(units), std::move(long_name));
+  dataset.bytes = std::as_bytes(values);
+  assert(dataset.bytes.size() == dataset.elements() * size_of(type) && "values fill the shape");
+  return dataset;
+}
+
+/// A dataset of values made here.
+template <typename T>
+Dataset owning(std::string path, const std::vector<T>& values, const std::vector<Dimension>& dims, std::string units,
+               std::string long_name) {
+  Dataset dataset = described(std::move(path), type_of<T>(), dims, std::move(units), std::move(long_name));
+  const auto bytes = std::as_bytes(std::span(values));
+  dataset.owned.assign(bytes.begin(), bytes.end());
+  dataset.bytes = dataset.owned;
+  assert(dataset.bytes.size() == dataset.elements() * size_of(dataset.type) && "values fill the shape");
+  return dataset;
+}
+
+Dataset texts(std::string path, std::vector<std::string> values, const std::vector<Dimension>& dims,
+              std::string long_name) {
+  Dataset dataset = described(std::move(path), Type::text, dims, "1", std::move(long_name));
+  dataset.text = std::move(values);
+  assert(dataset.text.size() == dataset.elements() && "texts fill the shape");
+  return dataset;
+}
+
+Dataset scale(Dataset dataset, bool grows = false) {
+  dataset.scale = Scale::values;
+  dataset.grows = grows;
+  return dataset;
+}
+
+Dataset bare_scale(const Dimension& dim, std::string long_name, bool grows = false) {
+  Dataset dataset = described(dim.scale, Type::i64, {dim}, "1", std::move(long_name) + " (a dimension without values)");
+  dataset.scale = Scale::bare;
+  dataset.grows = grows;
+  return dataset;
+}
+
+/// Sizes that the groups share.
+struct Sizes {
+  explicit Sizes(const Result& result)
+      : step{"/step", result.steps()},
+        boundary{"/boundary", result.steps() + 1},
+        body{"/body", result.bodies.size()},
+        algorithm{"/algorithm", result.answers.size()} {}
+
+  Dimension step, boundary, body, algorithm;
+  Dimension axis{"/axis", 3}, component{"/component", 4}, side{"/side", 2};
+};
+
+Group root(const Result& result, const Sizes& n) {
+  const Provenance& from = result.provenance;
+  Group group{"/",
+              {{"schema_version", std::int64_t{kSchemaVersion}},
+               {"title", result.title},
+               {"creator", from.creator},
+               {"git_commit", from.git_commit},
+               {"build_type", from.build_type},
+               {"compiler", from.compiler},
+               {"flags", from.flags},
+               {"library_versions", from.library_versions},
+               {"config_sha256", from.config_sha256},
+               {"inputs_sha256", from.inputs_sha256}},
+              {},
+              true};
+  std::vector<std::int64_t> step(result.steps());
+  std::iota(step.begin(), step.end(), 0);
+  std::vector<double> time(result.steps());
+  for (std::size_t s = 0; s < time.size(); ++s) time[s] = static_cast<double>(s) / result.rate;
+  std::vector<std::string> labels;
+  for (const Answers& answers : result.answers) labels.push_back(answers.label);
+
+  auto& datasets = group.datasets;
+  datasets.push_back(scale(owning("/step", step, {n.step}, "1", "samples of time, from 0"), true));
+  datasets.push_back(scale(texts("/body", result.bodies.name, {n.body}, "names of the bodies")));
+  if (!labels.empty())
+    datasets.push_back(scale(texts("/algorithm", std::move(labels), {n.algorithm}, "labels of the algorithms")));
+  datasets.push_back(bare_scale(n.boundary, "first entries of the steps, and the end", true));
+  datasets.push_back(scale(texts("/side", {"a", "b"}, {n.side}, "bodies of a pair, a < b")));
+  datasets.push_back(scale(texts("/axis", {"x", "y", "z"}, {n.axis}, "coordinates")));
+  datasets.push_back(scale(texts("/component", {"w", "x", "y", "z"}, {n.component}, "parts of a quaternion")));
+
+  datasets.push_back(owning("/time", time, {n.step}, "s", "time of the step"));
+  datasets.back().attributes.push_back({"rate", result.rate});
+  datasets.push_back(texts("/config", {result.config_text}, {}, "the configuration as read, TOML"));
+  datasets.back().attributes.push_back({"effective", result.config_effective});
+  return group;
+}
+
+Group bodies(const Result& result, const Sizes& n) {
+  const geometry::Bodies& all = result.bodies;
+  Group group{"/bodies", {}, {}};
+  std::vector<std::string> mesh;
+  for (std::uint32_t body = 0; body < all.size(); ++body) mesh.push_back(all.mesh_of(body).name);
+  group.datasets.push_back(texts("/bodies/mesh", std::move(mesh), {n.body}, "name of the body's mesh in /meshes"));
+  group.datasets.push_back(viewed("/bodies/fixed", std::span(all.fixed), {n.body}, "1", "1 when the body never moves"));
+  group.datasets.push_back(viewed("/bodies/first_step", std::span(result.first_step), {n.body}, "1",
+                                  "step at which the body is born; -1: never"));
+  if (!all.chosen.empty())
+    group.datasets.push_back(viewed("/bodies/chosen", std::span(all.chosen), {n.body}, "1",
+                                    "only pairs with a body that has 1 here were asked about"));
+  return group;
+}
+
+Group mesh(const geometry::Mesh& mesh) {
+  const std::string path = "/meshes/" + mesh.name;
+  const Dimension vertex{path + "/vertex", mesh.vertices.size()};
+  const Dimension triangle{path + "/triangle", mesh.triangles.size()};
+  const Dimension corner{path + "/corner", 3};
+  // Not the root's: a scale can serve about 4000 datasets (its list of them is an attribute of at most 64 KiB), and
+  // there may be as many meshes as bodies.
+  const Dimension axis{path + "/axis", 3};
+  Group group{path,
+              {{"shape", mesh.shape},
+               {"closed", std::uint8_t{geometry::is_closed(mesh)}},
+               {"surface_deviation", mesh.surface_deviation}},
+              {}};
+  auto& datasets = group.datasets;
+  datasets.push_back(bare_scale(vertex, "vertices of the mesh"));
+  datasets.push_back(bare_scale(triangle, "triangles of the mesh"));
+  datasets.push_back(bare_scale(corner, "corners of a triangle"));
+  datasets.push_back(scale(texts(axis.scale, {"x", "y", "z"}, {axis}, "coordinates")));
+  datasets.push_back(viewed(path + "/vertices", std::span(mesh.vertices), {vertex, axis}, "m",
+                            "vertices in the mesh's own frame", Type::f64));
+  datasets.push_back(viewed(path + "/triangles", std::span(mesh.triangles), {triangle, corner}, "1",
+                            "vertices of the triangles, counter-clockwise seen from outside", Type::u32));
+  return group;
+}
+
+Group motion(const Result& result, const Sizes& n) {
+  std::vector<double> position, orientation;
+  position.reserve(n.step.size * n.body.size * 3);
+  orientation.reserve(n.step.size * n.body.size * 4);
+  for (const auto& poses : result.motion) {
+    assert(poses.size() == n.body.size && "a pose for every body at every step");
+    for (const geometry::Pose& pose : poses) {
+      position.insert(position.end(), {pose.t.x(), pose.t.y(), pose.t.z()});
+      orientation.insert(orientation.end(), {pose.q.w, pose.q.x, pose.q.y, pose.q.z});
+    }
+  }
+  Group group{"/motion", {}, {}, true};
+  group.datasets.push_back(owning("/motion/position", position, {n.step, n.body, n.axis}, "m",
+                                  "positions of the bodies' frames; NaN: not born, or the integration failed"));
+  group.datasets.push_back(owning("/motion/orientation", orientation, {n.step, n.body, n.component}, "1",
+                                  "unit quaternions, scalar first; NaN: not born, or the integration failed"));
+  return group;
+}
+
+Group physics(const PhysicsRows& physics, const Sizes& n) {
+  Group group{"/physics", {{"status", physics.status}}, {}};
+  assert(physics.rows.size() == n.step.size && "a row for every step");
+  const auto add = [&]<typename Stored>(const auto& columns, Stored) {
+    for (const auto& column : columns) {
+      std::vector<Stored> values;
+      for (const PhysicsSample& row : physics.rows) values.push_back(static_cast<Stored>(row.*column.member));
+      group.datasets.push_back(
+          owning(std::string("/physics/") + column.name, values, {n.step}, column.units, column.long_name));
+    }
+  };
+  add(kPhysicsReals, double{});
+  add(kPhysicsCounts, std::uint64_t{});
+  add(kPhysicsTimes, std::int64_t{});
+  return group;
+}
+
+/// The datasets of lists of pairs, with the scale of the ragged dimension.
+void add_pairs(Group& group, const PairLists& hits, const std::string& what, const Sizes& n) {
+  const Dimension entry{group.path + "/entry", hits.pair.size()};
+  group.datasets.push_back(bare_scale(entry, "pairs of all steps, one step after another", true));
+  group.datasets.push_back(viewed(group.path + "/pair_offset", std::span(hits.offset), {n.boundary}, "1",
+                                  "the pairs of step s are entries pair_offset[s] to pair_offset[s + 1] - 1"));
+  group.datasets.push_back(viewed(group.path + "/pair", std::span(hits.pair), {entry, n.side}, "1", what, Type::u32));
+}
+
+std::vector<std::uint64_t> counts(const PairLists& hits) {
+  std::vector<std::uint64_t> out(hits.steps());
+  for (std::size_t s = 0; s < out.size(); ++s) out[s] = hits.at(s).size();
+  return out;
+}
+
+Group truth(const Truth& truth, const Sizes& n) {
+  Group group{"/truth", {}, {}, true};
+  group.datasets.push_back(
+      owning("/truth/hits", counts(truth.hits), {n.step}, "1", "pairs that meet, by which answers are scored"));
+  group.datasets.push_back(
+      viewed("/truth/time_ns", std::span(truth.time_ns), {n.step}, "ns", "time of the exact answer"));
+  add_pairs(group, truth.hits, "pairs of bodies whose surfaces meet", n);
+  return group;
+}
+
+Group results(const Result& result, const Sizes& n) {
+  const std::size_t columns = result.answers.size();
+  Group group{"/results", {}, {}};
+  const auto add = [&]<typename T>(const char* name, const char* units, const char* long_name, T, auto column_of) {
+    std::vector<T> table(n.step.size * columns);
+    for (std::size_t a = 0; a < columns; ++a) {
+      const auto& column = column_of(result.answers[a]);
+      assert(column.size() == n.step.size && "a value for every step");
+      for (std::size_t s = 0; s < n.step.size; ++s) table[s * columns + a] = column[s];
+    }
+    group.datasets.push_back(owning(std::string("/results/") + name, table, {n.step, n.algorithm}, units, long_name));
+  };
+  for (const auto& c : kResultTimes)
+    add(
+        c.name, c.units, c.long_name, std::int64_t{}, [&](const Answers& a) -> const auto& { return a.*c.member; });
+  add("hits", "1", "pairs reported", std::uint64_t{}, [](const Answers& a) { return counts(a.hits); });
+  for (const auto& c : kResultCounts)
+    add(
+        c.name, c.units, c.long_name, std::uint64_t{}, [&](const Answers& a) -> const auto& { return a.*c.member; });
+  return group;
+}
+
+Group answers(const Answers& answers, const Sizes& n) {
+  Group group{"/answers/" + answers.label,
+              {{"name", answers.name},
+               {"knobs", answers.knobs},
+               {"promise", answers.promise},
+               {"thesis_key", answers.thesis_key},
+               {"operations_unit", answers.operations_unit},
+               {"scope", answers.scope},
+               {"timing_host", answers.machine.host},
+               {"timing_processor", answers.machine.processor},
+               {"timing_build", answers.machine.build},
+               {"timing_date", answers.machine.date}},
+              {},
+              true};
+  add_pairs(group, answers.hits, "pairs of bodies that the algorithm reported", n);
+  return group;
+}
+
+Group summary(const Result& result, const Sizes& n) {
+  Group group{"/summary", {}, {}};
+  assert(result.summary.size() == n.algorithm.size && "a row for every algorithm");
+  const auto add = [&]<typename Stored>(const auto& column, Stored) {
+    std::vector<Stored> values;
+    for (const Summary& row : result.summary) values.push_back(static_cast<Stored>(row.*column.member));
+    group.datasets.push_back(
+        owning(std::string("/summary/") + column.name, values, {n.algorithm}, column.units, column.long_name));
+  };
+  for (const auto& column : kSummaryCounts) add(column, std::uint64_t{});
+  for (const auto& column : kSummaryReals) add(column, double{});
+  add(Column<Summary, bool>{"promise_kept", &Summary::promise_kept, "1", "0 when a promise was broken"},
+      std::uint8_t{});
+  return group;
+}
+
+Group run(const Provenance& from) {
+  return {"/run",
+          {{"date", from.date}, {"host", from.host}, {"processor", from.processor}, {"wall_time_s", from.wall_time_s}},
+          {}};
+}
+
+}  // namespace
+
+std::size_t size_of(Type type) {
+  switch (type) {
+    case Type::f64:
+    case Type::i64:
+    case Type::u64:
+      return 8;
+    case Type::u32:
+      return 4;
+    case Type::u8:
+      return 1;
+    case Type::text:
+      return 0;
+  }
+  return 0;
+}
+
+std::uint64_t Dataset::elements() const {
+  return std::accumulate(shape.begin(), shape.end(), std::uint64_t{1}, std::multiplies<>());
+}
+
+std::string_view base_name(std::string_view path) { return path.substr(path.rfind('/') + 1); }
+
+std::vector<Group> layout(const Result& result) {
+  const Sizes n(result);
+  std::vector<Group> groups;
+  groups.push_back(root(result, n));
+  groups.push_back(bodies(result, n));
+  for (const geometry::Mesh& shape : result.bodies.meshes) groups.push_back(mesh(shape));
+  groups.push_back(motion(result, n));
+  if (result.physics) groups.push_back(physics(*result.physics, n));
+  groups.push_back(truth(result.truth, n));
+  if (!result.answers.empty()) {
+    groups.push_back(results(result, n));
+    for (const Answers& one : result.answers) groups.push_back(answers(one, n));
+    groups.push_back(summary(result, n));
+  }
+  groups.push_back(run(result.provenance));
+  return groups;
+}
+
+}  // namespace pipeline

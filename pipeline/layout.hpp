@@ -1,0 +1,122 @@
+// A result as named arrays: the one description of the file's contents, which the writer puts into HDF5 and the digest
+// reads from memory. Knows names, units and dimensions; knows no HDF5.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "pipeline/result.hpp"
+
+namespace pipeline {
+
+/// What the elements of a dataset are. Numbers are little-endian.
+enum class Type { f64, i64, u64, u32, u8, text };
+
+/// Bytes of one element; 0 for text.
+std::size_t size_of(Type type);
+
+/// A named scalar of a group or dataset.
+struct Attribute {
+  std::string name;
+  std::variant<std::string, std::int64_t, double, std::uint8_t> value;
+};
+
+/// What a dataset is to the dimensions of others.
+enum class Scale {
+  none,
+  values,  // a scale with values: step numbers, names
+  bare     // gives a dimension its name and size only; no values are stored (netCDF's "dimension without a variable")
+};
+
+/// One array. Moves only: `bytes` may point into `owned`, or into the Result it was made from.
+struct Dataset {
+  std::string path;  // absolute
+  Type type = Type::f64;
+  std::vector<std::uint64_t> shape;  // empty: a scalar
+  std::vector<std::string> dims;     // for every dimension the path of its scale; a scale names itself
+  std::string units, long_name;
+  std::span<const std::byte> bytes;  // row-major; empty for text and bare scales
+  std::vector<std::string> text;     // row-major; of text only
+  Scale scale = Scale::none;
+  bool grows = false;  // of scales: the dimension is unlimited
+  std::vector<Attribute> attributes;
+  std::vector<std::byte> owned;
+
+  Dataset() = default;
+  Dataset(Dataset&&) = default;
+  Dataset& operator=(Dataset&&) = default;
+
+  std::uint64_t elements() const;
+};
+
+/// One group, its attributes and the datasets directly in it.
+struct Group {
+  std::string path;
+  std::vector<Attribute> attributes;
+  std::vector<Dataset> datasets;
+  bool digested = false;  // it carries a digest of its own
+};
+
+/// Everything that the file holds but the digests, the root first. Points into `result`, which must outlive it.
+std::vector<Group> layout(const Result& result);
+
+/// The last name of a path.
+std::string_view base_name(std::string_view path);
+
+/// A column of the file and the member it comes from.
+template <typename Row, typename T>
+struct Column {
+  const char* name;
+  T Row::*member;
+  const char* units;
+  const char* long_name;
+};
+
+// Columns of /results kept by Answers (S values each), of /physics and of /summary. `hits` of /results is not among
+// them: it follows from the lists of pairs.
+inline constexpr Column<Answers, std::vector<std::int64_t>> kResultTimes[] = {
+    {"time_ns", &Answers::time_ns, "ns", "fastest repeat of the step, preparation included"},
+    {"time_median_ns", &Answers::time_median_ns, "ns", "median repeat of the step, preparation included"},
+    {"prepare_ns", &Answers::prepare_ns, "ns", "preparation of the bodies in the fastest repeat"}};
+inline constexpr Column<Answers, std::vector<std::uint64_t>> kResultCounts[] = {
+    {"true_positive", &Answers::true_positive, "1", "pairs reported that truly meet"},
+    {"false_positive", &Answers::false_positive, "1", "pairs reported that do not meet"},
+    {"false_negative", &Answers::false_negative, "1", "pairs that meet and were not reported"},
+    {"rounding_miss", &Answers::rounding_miss, "1",
+     "misses of a conservative method that vanish when enlarged by 2^-40"},
+    {"operations", &Answers::operations, "1", "elementary tests made; what is counted: operations_unit of /answers"}};
+
+inline constexpr Column<PhysicsSample, double> kPhysicsReals[] = {
+    {"energy", &PhysicsSample::energy, "J", "kinetic, gravity and elastic energy; gravity counted from y = 0"},
+    {"kinetic_energy", &PhysicsSample::kinetic_energy, "J", "kinetic energy"},
+    {"greatest_penetration", &PhysicsSample::greatest_penetration, "m", "greatest depth of a contact; 0 without one"}};
+inline constexpr Column<PhysicsSample, std::int64_t> kPhysicsCounts[] = {
+    {"contacts", &PhysicsSample::contacts, "1", "contacts at the sample"},
+    {"integrator_steps", &PhysicsSample::integrator_steps, "1", "internal steps since the sample before"},
+    {"rejected_steps", &PhysicsSample::rejected_steps, "1", "internal steps rejected since the sample before"},
+    {"force_evaluations", &PhysicsSample::force_evaluations, "1", "evaluations of forces since the sample before"}};
+inline constexpr Column<PhysicsSample, std::int64_t> kPhysicsTimes[] = {
+    {"time_ns", &PhysicsSample::time_ns, "ns", "wall time of the integration since the sample before"},
+    {"contact_time_ns", &PhysicsSample::contact_time_ns, "ns", "part of time_ns spent on contacts and their forces"}};
+
+inline constexpr Column<Summary, std::uint64_t> kSummaryCounts[] = {
+    {"hits", &Summary::hits, "1", "pairs reported, over all steps"},
+    {"true_positive", &Summary::true_positive, "1", "pairs reported that truly meet"},
+    {"false_positive", &Summary::false_positive, "1", "pairs reported that do not meet"},
+    {"false_negative", &Summary::false_negative, "1", "pairs that meet and were not reported"},
+    {"operations", &Summary::operations, "1", "elementary tests made; what is counted: operations_unit of /answers"}};
+inline constexpr Column<Summary, double> kSummaryReals[] = {
+    {"error", &Summary::error, "1",
+     "(FP + FN) / (TP + FP + FN); 0 when nothing is to be found and nothing was reported"},
+    {"precision", &Summary::precision, "1", "TP / (TP + FP)"},
+    {"recall", &Summary::recall, "1", "TP / (TP + FN)"},
+    {"matthews", &Summary::matthews, "1", "Matthews' correlation coefficient over pairs of born bodies"},
+    {"time_mean_ns", &Summary::time_mean_ns, "ns", "mean over steps of the fastest repeat"},
+    {"time_median_ns", &Summary::time_median_ns, "ns", "median over steps of the fastest repeat"},
+    {"time_p95_ns", &Summary::time_p95_ns, "ns", "95th percentile over steps of the fastest repeat"}};
+
+}  // namespace pipeline

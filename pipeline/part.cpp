@@ -1,0 +1,187 @@
+#include "pipeline/part.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/error.hpp"
+
+namespace pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr char kMagic[8] = {'C', 'D', 'C', 'H', 'U', 'N', 'K', '1'};
+constexpr const char* kManifest = "manifest.json";
+
+[[noreturn]] void cannot(const std::string& action, const fs::path& path, int error) {
+  throw Error(kFile, path.string() + ": cannot " + action + ": " + std::strerror(error) +
+                         "; what was finished is kept, free space or choose another -o and run again");
+}
+
+void sync_folder(const fs::path& folder) {
+  const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY);
+  if (fd < 0) cannot("open", folder, errno);
+  fsync(fd);
+  close(fd);
+}
+
+void write_all(const fs::path& path, std::initializer_list<std::string_view> pieces) {
+  const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (fd < 0) cannot("write", path, errno);
+  for (std::string_view piece : pieces) {
+    while (!piece.empty()) {
+      const ssize_t written = write(fd, piece.data(), piece.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) {
+        const int error = written < 0 ? errno : ENOSPC;
+        close(fd);
+        unlink(path.c_str());
+        cannot("write", path, error);
+      }
+      piece.remove_prefix(std::size_t(written));
+    }
+  }
+  if (fsync(fd) != 0) {
+    const int error = errno;
+    close(fd);
+    unlink(path.c_str());
+    cannot("sync", path, error);
+  }
+  close(fd);
+}
+
+void replace(const fs::path& folder, const std::string& name, std::initializer_list<std::string_view> pieces) {
+  const fs::path place = folder / name, beside = folder / (name + ".new");
+  write_all(beside, pieces);
+  if (rename(beside.c_str(), place.c_str()) != 0) cannot("rename to", place, errno);
+  sync_folder(folder);
+}
+
+std::optional<std::string> read_all(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return std::nullopt;
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  if (in.bad()) return std::nullopt;
+  return bytes;
+}
+
+nlohmann::json manifest_of(const fs::path& folder) {
+  const auto text = read_all(folder / kManifest);
+  if (!text) return nullptr;
+  return nlohmann::json::parse(*text, nullptr, /*allow_exceptions=*/false);
+}
+
+std::string checksum(std::string_view bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, hash);
+  return {reinterpret_cast<const char*>(canonical.digest), sizeof canonical.digest};
+}
+
+}  // namespace
+
+std::string chunk_name(const std::string& stage, std::int64_t step) {
+  std::string digits = std::to_string(step);
+  digits.insert(0, digits.size() < 7 ? 7 - digits.size() : 0, '0');
+  return stage + "-" + digits;
+}
+
+void ChunkReader::take(void* to, std::size_t size) {
+  if (size > bytes_.size() - at_) throw std::logic_error("a chunk is shorter than what is read from it");
+  if (size) std::memcpy(to, bytes_.data() + at_, size);
+  at_ += size;
+}
+
+PartStatus part_status(const fs::path& folder) {
+  const nlohmann::json manifest = manifest_of(folder);
+  if (!manifest.is_object() || !manifest.contains("steps"))
+    throw Error(kFile, folder.string() + ": is not an unfinished run of this program (no readable " + kManifest + ")");
+  PartStatus status{.title = manifest.value("title", ""), .steps = manifest.value("steps", std::int64_t{0})};
+  for (std::int64_t step = 0; step < status.steps; step += kChunkSteps) {
+    const std::int64_t count = std::min(kChunkSteps, status.steps - step);
+    if (fs::exists(folder / chunk_name("motion", step))) status.motion_steps += count;
+    if (fs::exists(folder / chunk_name("truth", step))) status.truth_steps += count;
+    if (fs::exists(folder / chunk_name("answers", step))) status.answered_steps += count;
+  }
+  return status;
+}
+
+Part::Part(const fs::path& folder, const PartKey& key, const std::string& title, std::int64_t steps, bool force)
+    : folder_(folder) {
+  std::error_code error;
+  if (folder.has_parent_path()) fs::create_directories(folder.parent_path(), error);
+  if (error) cannot("make the folder of", folder, error.value());
+  const bool existed = fs::exists(folder, error);
+  if (existed && !fs::is_directory(folder))
+    throw Error(kFile, folder.string() + ": is in the way and not a folder; remove it or choose another -o");
+  // Whatever --force empties must be ours: a folder without our manifest may be somebody's data.
+  if (existed && !fs::is_empty(folder) && !fs::exists(folder / kManifest) && !fs::exists(folder / "lock"))
+    throw Error(kFile, folder.string() + ": is in the way and not an unfinished run; remove it or choose another -o");
+  if (!existed && !fs::create_directory(folder, error) && error) cannot("make", folder, error.value());
+
+  lock_ = open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (lock_ < 0) cannot("write", folder / "lock", errno);
+  if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    close(lock_);
+    throw Error(kFile, folder.string() + ": is being written by another run; wait for it or choose another -o");
+  }
+
+  const nlohmann::json mine = {{"config_sha256", key.config_sha256},
+                               {"program_sha256", key.program_sha256},
+                               {"title", title},
+                               {"steps", steps}};
+  const nlohmann::json found = manifest_of(folder);
+  if (found == mine) {
+    resumed_ = fs::exists(folder / chunk_name("motion", 0));
+    return;
+  }
+  if (fs::exists(folder / kManifest)) {
+    if (!force) {
+      close(lock_);
+      const bool same_config = found.is_object() && found.value("config_sha256", "") == key.config_sha256;
+      throw Error(kFile, folder.string() + ": is an unfinished run of another " +
+                             (same_config ? "build" : "configuration") +
+                             "; --force discards it, or choose another -o");
+    }
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.path().filename() != "lock") fs::remove_all(entry.path());
+  }
+  replace(folder, kManifest, {mine.dump(1)});
+}
+
+Part::~Part() {
+  if (lock_ >= 0) close(lock_);
+}
+
+std::optional<std::string> Part::load(const std::string& name) const {
+  std::optional<std::string> bytes = read_all(folder_ / name);
+  constexpr std::size_t kHead = sizeof kMagic + 16;
+  if (!bytes || bytes->size() < kHead || bytes->compare(0, sizeof kMagic, kMagic, sizeof kMagic) != 0)
+    return std::nullopt;
+  const std::string_view content = std::string_view(*bytes).substr(kHead);
+  if (bytes->compare(sizeof kMagic, 16, checksum(content)) != 0) {
+    std::fprintf(stderr, "warning: %s: is damaged; its steps are computed again\n", (folder_ / name).c_str());
+    return std::nullopt;
+  }
+  bytes->erase(0, kHead);
+  return bytes;
+}
+
+void Part::save(const std::string& name, const std::string& content) const {
+  replace(folder_, name, {std::string_view(kMagic, sizeof kMagic), checksum(content), content});
+}
+
+void Part::remove() {
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
+}  // namespace pipeline

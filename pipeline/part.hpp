@@ -1,0 +1,107 @@
+// FILE.part: where a run keeps what it has while it is not finished.
+//
+// A folder of checksummed chunks, each written beside its place, synced and renamed, so that after kill -9 every chunk
+// is either whole or absent. An exclusive lock keeps a second writer out.
+#pragma once
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace pipeline {
+
+/// Steps per chunk. The integrator is restarted and all memories of algorithms are emptied at these boundaries in
+/// every run alike, so that a resumed run has the same bits as one that was never interrupted.
+constexpr std::int64_t kChunkSteps = 50;
+
+/// What a part belongs to: resumed only when all of it is equal.
+struct PartKey {
+  std::string config_sha256;   // of the effective configuration
+  std::string program_sha256;  // of the program's own file
+  bool operator==(const PartKey&) const = default;
+};
+
+/// What is in a part, without locking it; for `show`.
+struct PartStatus {
+  std::string title;
+  std::int64_t steps = 0;
+  std::int64_t motion_steps = 0, truth_steps = 0, answered_steps = 0;
+};
+PartStatus part_status(const std::filesystem::path& folder);
+
+class Part {
+ public:
+  /// Opens or makes the folder. Throws Error(kFile) when another run holds it, when it belongs to another configuration
+  /// or build and `force` is false (with force it is emptied), or when it cannot be written.
+  Part(const std::filesystem::path& folder, const PartKey& key, const std::string& title, std::int64_t steps,
+       bool force);
+  ~Part();
+  Part(const Part&) = delete;
+  Part& operator=(const Part&) = delete;
+
+  bool resumed() const { return resumed_; }  // it was there before, with chunks
+
+  /// A chunk's content, or nothing when it is absent or damaged. Safe from several threads.
+  std::optional<std::string> load(const std::string& name) const;
+
+  /// Writes a chunk: when this returns it survives a kill and a power cut. Safe from several threads.
+  void save(const std::string& name, const std::string& content) const;
+
+  /// Removes the folder; the run is complete.
+  void remove();
+
+ private:
+  std::filesystem::path folder_;
+  int lock_ = -1;
+  bool resumed_ = false;
+};
+
+/// Name of the chunk of `stage` that begins at `step`: "truth-0000050".
+std::string chunk_name(const std::string& stage, std::int64_t step);
+
+/// Values to bytes, in order. Only for chunks: read again by the same build on the same kind of machine.
+class ChunkWriter {
+ public:
+  template <class T>
+  void put(const std::vector<T>& values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const std::uint64_t count = values.size();
+    bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+    bytes.append(reinterpret_cast<const char*>(values.data()), count * sizeof(T));
+  }
+  void put(const std::string& text) { put(std::vector<char>(text.begin(), text.end())); }
+
+  std::string bytes;
+};
+
+/// The counterpart. The checksum has vouched for the bytes, so a short read is a programmer's error.
+class ChunkReader {
+ public:
+  explicit ChunkReader(const std::string& bytes) : bytes_(bytes) {}
+
+  template <class T>
+  std::vector<T> get() {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::uint64_t count = 0;
+    take(&count, sizeof count);
+    std::vector<T> values(count);
+    take(values.data(), count * sizeof(T));
+    return values;
+  }
+  std::string text() {
+    const std::vector<char> letters = get<char>();
+    return {letters.begin(), letters.end()};
+  }
+
+ private:
+  void take(void* to, std::size_t size);
+
+  const std::string& bytes_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace pipeline

@@ -1,0 +1,171 @@
+#include "pipeline/run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+#include "pipeline/detect.hpp"
+#include "pipeline/error.hpp"
+#include "pipeline/motion.hpp"
+#include "pipeline/part.hpp"
+#include "pipeline/progress.hpp"
+#include "pipeline/provenance.hpp"
+#include "pipeline/scene.hpp"
+#include "pipeline/score.hpp"
+#include "pipeline/store.hpp"
+#include "pipeline/truth.hpp"
+
+namespace pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+std::string human(std::uint64_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f GiB", double(bytes) / double(1 << 30));
+  return text;
+}
+
+std::vector<std::int64_t> first_steps(const std::vector<std::vector<geometry::Pose>>& poses, std::size_t bodies) {
+  std::vector<std::int64_t> first(bodies, -1);
+  for (std::size_t step = poses.size(); step-- > 0;)
+    for (std::size_t b = 0; b < bodies; ++b)
+      if (geometry::is_born(poses[step][b])) first[b] = std::int64_t(step);
+  return first;
+}
+
+}  // namespace
+
+fs::path output_path(const Config& config, const RunOptions& options) {
+  if (!options.output.empty()) return options.output;
+  return fs::path("results") / (config.path.stem().string() + ".h5");
+}
+
+Plan plan(const Config& config) {
+  const SceneSize size = scene_size(config);
+  Plan plan{.bodies = size.bodies, .meshes = size.meshes, .triangles = size.mesh_triangles};
+  plan.pairs = size.bodies * (size.bodies - 1) / 2;
+  const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
+  const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
+  plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);
+  // In memory: the result and, while it is written, once more its datasets; the truth's world vertices (24 bytes) and boxes
+  // (about 48 bytes a triangle) of every body; hierarchies and sampled facets (about 200 bytes a triangle of a mesh).
+  plan.memory_bytes = 2 * plan.file_bytes + (24 + 2 * 48) * size.body_vertices + 200 * size.mesh_triangles;
+  return plan;
+}
+
+void refuse_if_too_large(const Plan& plan, const fs::path& output) {
+  if (plan.memory_bytes > machine_memory())
+    throw Error(kInput, "the run needs about " + human(plan.memory_bytes) + " of memory, this machine has " +
+                            human(machine_memory()) + "; fewer steps, bodies or segments make it smaller");
+  // Twice: the part and the file exist together for a moment.
+  if (2 * plan.file_bytes > free_disk(output))
+    throw Error(kInput, output.string() + ": the run needs about " + human(2 * plan.file_bytes) +
+                            " of disk, there is " + human(free_disk(output)) +
+                            " free; choose another -o or fewer steps");
+}
+
+Result run(const Config& config, const RunOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const fs::path output = output_path(config, options);
+  if (fs::exists(output) && !options.force)
+    throw Error(kFile, output.string() + ": exists; --force replaces it, or choose another -o");
+  if (fs::is_directory(output)) throw Error(kFile, output.string() + ": is a folder; choose another -o");
+  refuse_if_too_large(plan(config), output);
+
+  const PartKey key{.config_sha256 = sha256(config.effective), .program_sha256 = program_sha256()};
+  Part part(output.string() + ".part", key, config.title, config.steps, options.force);
+  if (part.resumed() && !options.quiet)
+    std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
+  const int threads = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
+  const std::uint64_t steps = std::uint64_t(config.steps);
+
+  Scene scene = make_scene(config);
+  Result result;
+  {
+    Progress progress("motion", steps, options.quiet);
+    Motion motion = integrate(config, scene, part, progress);
+    result.motion = std::move(motion.poses);
+    result.physics = std::move(motion.physics);
+  }
+  {
+    Progress progress("truth", steps, options.quiet);
+    result.truth = decide(scene.bodies, result.motion, threads, part, progress);
+  }
+  {
+    Progress progress("detect", steps, options.quiet);
+    result.answers = detect(scene.bodies, result.motion, result.truth, config.algorithms, config.repeats, machine(),
+                            &part, progress);
+  }
+  const std::uint64_t pairs = total_pairs(scene.bodies, result.motion);
+  for (const Answers& answers : result.answers) result.summary.push_back(summarise(answers, pairs));
+
+  result.title = config.title;
+  result.config_text = config.text;
+  result.config_effective = config.effective;
+  result.rate = config.rate;
+  result.first_step = first_steps(result.motion, scene.bodies.size());
+  result.bodies = std::move(scene.bodies);
+  result.provenance = provenance();
+  result.provenance.config_sha256 = sha256(config.text);
+  result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_result(result, output);
+  part.remove();
+  return result;
+}
+
+Result detect_again(const fs::path& file, const std::vector<std::string>& arguments, const RunOptions& options) {
+  std::vector<AlgorithmChoice> choices;
+  for (const std::string& argument : arguments) choices.push_back(parse_algorithm(argument));
+  Result result = read_result(file);
+  const Config config = parse_config(result.config_effective, file.string() + ":/config@effective");
+  if (choices.empty()) choices = config.algorithms;
+
+  const auto index_of = [&](const std::string& label) {
+    const auto same = [&](const Answers& answers) { return answers.label == label; };
+    return std::find_if(result.answers.begin(), result.answers.end(), same) - result.answers.begin();
+  };
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    const std::string& label = choices[i].label;
+    if (index_of(label) < std::ptrdiff_t(result.answers.size()) && !options.force)
+      throw Error(kFile, file.string() + ": has answers labelled '" + label +
+                             "' already; --force replaces them, or give another label with @LABEL");
+    for (std::size_t j = 0; j < i; ++j)
+      if (choices[j].label == label)
+        throw Error(kInput, "--algorithm: the label '" + label + "' is given twice; name another with @LABEL");
+  }
+
+  Progress progress("detect", result.steps(), options.quiet);
+  std::vector<Answers> fresh = detect(result.bodies, result.motion, result.truth, choices, config.repeats, machine(),
+                                      nullptr, progress);
+  const std::uint64_t pairs = total_pairs(result.bodies, result.motion);
+  for (Answers& answers : fresh) {
+    const std::size_t at = std::size_t(index_of(answers.label));
+    if (at == result.answers.size()) {
+      result.answers.emplace_back();
+      result.summary.emplace_back();
+    }
+    result.summary[at] = summarise(answers, pairs);
+    result.answers[at] = std::move(answers);
+  }
+  write_result(result, file);
+  return result;
+}
+
+std::vector<std::string> failures(const Result& result) {
+  std::vector<std::string> lines;
+  if (result.physics && result.physics->status != "complete")
+    lines.push_back("the integration " + result.physics->status);
+  for (std::size_t a = 0; a < result.answers.size(); ++a) {
+    const Answers& answers = result.answers[a];
+    const Summary& row = result.summary[a];
+    if (row.promise_kept) continue;
+    std::string line = answers.label + " breaks its promise (" + answers.promise + "): ";
+    line += std::to_string(row.false_negative) + " false negatives";
+    if (answers.promise == "exact") line += " and " + std::to_string(row.false_positive) + " false positives";
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+}  // namespace pipeline

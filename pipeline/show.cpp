@@ -1,0 +1,309 @@
+#include "pipeline/show.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/store.hpp"
+
+namespace pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string print(const char* format, ...) __attribute__((format(printf, 1, 2)));
+std::string print(const char* format, ...) {
+  va_list arguments, again;
+  va_start(arguments, format);
+  va_copy(again, arguments);
+  std::string text(std::size_t(std::vsnprintf(nullptr, 0, format, arguments)), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, format, again);
+  va_end(again);
+  va_end(arguments);
+  return text;
+}
+
+std::string value_text(const algorithms::Value& value) {
+  if (const bool* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  if (const auto* whole = std::get_if<std::int64_t>(&value)) return std::to_string(*whole);
+  if (const double* real = std::get_if<double>(&value)) return print("%.15g", *real);
+  return std::get<std::string>(value);
+}
+
+Json value_json(const algorithms::Value& value) {
+  return std::visit([](const auto& v) { return Json(v); }, value);
+}
+
+const char* type_name(const algorithms::Value& value) {
+  constexpr const char* kNames[] = {"boolean", "integer", "real", "text"};
+  return kNames[value.index()];
+}
+
+std::string range_text(const algorithms::Knob& knob) {
+  if (!knob.choices.empty()) {
+    std::string text;
+    for (const std::string& choice : knob.choices) text += (text.empty() ? "" : " | ") + choice;
+    return text;
+  }
+  std::string text;
+  if (std::isfinite(knob.least) && std::isfinite(knob.most))
+    text = print("%.15g to %.15g", knob.least, knob.most);
+  else if (std::isfinite(knob.least))
+    text = print("at least %.15g", knob.least);
+  else if (std::isfinite(knob.most))
+    text = print("at most %.15g", knob.most);
+  if (!knob.rule.empty()) text += (text.empty() ? "" : ", ") + knob.rule;
+  return text;
+}
+
+/// Rows as aligned columns; the first is flush left, the rest flush right.
+std::string aligned(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> width;
+  for (const auto& row : rows)
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      if (width.size() <= c) width.push_back(0);
+      width[c] = std::max(width[c], row[c].size());
+    }
+  std::string text;
+  for (const auto& row : rows) {
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      const std::string pad(width[c] - row[c].size(), ' ');
+      text += c == 0 ? row[c] + pad : "  " + pad + row[c];
+    }
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string time_text(double ns) {
+  if (ns < 1e3) return print("%.0f ns", ns);
+  if (ns < 1e6) return print("%.2f us", ns * 1e-3);
+  if (ns < 1e9) return print("%.3f ms", ns * 1e-6);
+  return print("%.3f s", ns * 1e-9);
+}
+
+std::string bytes_text(std::uint64_t bytes) {
+  if (bytes < (1u << 20)) return print("%.0f KiB", double(bytes) / 1024);
+  if (bytes < (1u << 30)) return print("%.1f MiB", double(bytes) / (1 << 20));
+  return print("%.1f GiB", double(bytes) / (1 << 30));
+}
+
+std::string share_text(double value) { return std::isnan(value) ? "-" : print("%.4f", value); }
+
+struct NamedText {
+  const char* name;
+  const char* what;
+};
+constexpr NamedText kScenes[] = {
+    {"falling", "sets of spheres fall on a finite plate (thesis, \"Padani\")"},
+};
+constexpr NamedText kShapes[] = {
+    {"sphere", "radius, segments: segments + 2 rows of twice as many columns, pole axis y"},
+    {"box", "size [x, y, z]: 12 facets"},
+    {"capsule", "height, radius_bottom, radius_top, segments: axis y"},
+    {"torus", "diameter of the centre circle, thickness of the tube, segments: axis y"},
+    {"torus_knot", "radius, tube, radial_segments, tubular_segments, p, q"},
+};
+
+std::vector<NamedText> named(const std::string& what) {
+  if (what == "scenes") return {std::begin(kScenes), std::end(kScenes)};
+  if (what == "shapes") return {std::begin(kShapes), std::end(kShapes)};
+  std::vector<NamedText> rows;
+  for (const std::string& name : integrator_names()) rows.push_back({name.c_str(), ""});
+  return rows;
+}
+
+}  // namespace
+
+std::string result_text(const Result& result) {
+  const Provenance& from = result.provenance;
+  std::string text = result.title + "\n";
+  text += print("%zu steps of %zu bodies at %g per second; %zu pairs meet over all steps\n", result.steps(),
+                result.bodies.size(), result.rate, result.truth.hits.pair.size());
+  if (result.physics) text += "integration " + result.physics->status + "\n";
+  text += "\n";
+
+  std::vector<std::vector<std::string>> rows = {{"algorithm", "key", "scope", "error", "false positive",
+                                                 "false negative", "hits", "mean time", "p95 time", "operations",
+                                                 "promise"}};
+  for (std::size_t a = 0; a < result.answers.size(); ++a) {
+    const Answers& answers = result.answers[a];
+    const Summary& row = result.summary[a];
+    rows.push_back({answers.label, answers.thesis_key, answers.scope, share_text(row.error),
+                    std::to_string(row.false_positive), std::to_string(row.false_negative), std::to_string(row.hits),
+                    time_text(row.time_mean_ns), time_text(row.time_p95_ns), std::to_string(row.operations),
+                    answers.promise == "none" ? "-" : answers.promise + (row.promise_kept ? " kept" : " BROKEN")});
+  }
+  text += aligned(rows);
+  text += "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
+          "per step\n\n";
+
+  text += "made by   " + from.creator + ", commit " + from.git_commit + ", " + from.build_type + ", " + from.compiler +
+          "\n";
+  text += print("run       %s on %s (%s), %.1f s\n", from.date.c_str(), from.host.c_str(), from.processor.c_str(),
+                from.wall_time_s);
+  for (const auto& [group, digest] : digests(result)) text += "digest    " + digest + "  " + group + "\n";
+  return text;
+}
+
+std::string result_json(const Result& result, const std::string& path) {
+  const Provenance& from = result.provenance;
+  Json json = {{"file", path},
+               {"complete", true},
+               {"title", result.title},
+               {"schema_version", kSchemaVersion},
+               {"steps", result.steps()},
+               {"bodies", result.bodies.size()},
+               {"rate", result.rate},
+               {"repeats", parse_config(result.config_effective, path).repeats},
+               {"truth_hits", result.truth.hits.pair.size()},
+               {"digest", result.digest}};
+  json["integration"] = result.physics ? Json(result.physics->status) : Json(nullptr);
+  for (const auto& [group, digest] : digests(result)) json["digests"][group] = digest;
+  json["algorithms"] = Json::array();
+  for (std::size_t a = 0; a < result.answers.size(); ++a) {
+    const Answers& answers = result.answers[a];
+    const Summary& row = result.summary[a];
+    json["algorithms"].push_back({{"label", answers.label},
+                                  {"name", answers.name},
+                                  {"thesis_key", answers.thesis_key},
+                                  {"knobs", Json::parse(answers.knobs)},
+                                  {"promise", answers.promise},
+                                  {"promise_kept", row.promise_kept},
+                                  {"scope", answers.scope},
+                                  {"hits", row.hits},
+                                  {"true_positive", row.true_positive},
+                                  {"false_positive", row.false_positive},
+                                  {"false_negative", row.false_negative},
+                                  {"error", row.error},
+                                  {"precision", row.precision},
+                                  {"recall", row.recall},
+                                  {"matthews", row.matthews},
+                                  {"operations", row.operations},
+                                  {"operations_unit", answers.operations_unit},
+                                  {"time_mean_ns", row.time_mean_ns},
+                                  {"time_median_ns", row.time_median_ns},
+                                  {"time_p95_ns", row.time_p95_ns}});
+  }
+  json["provenance"] = {{"creator", from.creator},
+                        {"git_commit", from.git_commit},
+                        {"build_type", from.build_type},
+                        {"compiler", from.compiler},
+                        {"flags", from.flags},
+                        {"library_versions", Json::parse(from.library_versions)},
+                        {"config_sha256", from.config_sha256},
+                        {"inputs_sha256", Json::parse(from.inputs_sha256)},
+                        {"date", from.date},
+                        {"host", from.host},
+                        {"processor", from.processor},
+                        {"wall_time_s", from.wall_time_s}};
+  return json.dump(2) + "\n";
+}
+
+std::string part_text(const PartStatus& status, const std::string& path) {
+  const auto line = [&](const char* stage, std::int64_t steps) {
+    return print("%-8s %lld of %lld steps\n", stage, static_cast<long long>(steps),
+                 static_cast<long long>(status.steps));
+  };
+  return status.title + "\n" + path + ": an unfinished run; the same `pipeline run` resumes it\n" +
+         line("motion", status.motion_steps) + line("truth", status.truth_steps) +
+         line("detect", status.answered_steps);
+}
+
+std::string part_json(const PartStatus& status, const std::string& path) {
+  const Json json = {{"file", path},           {"complete", false},
+                     {"title", status.title},  {"steps", status.steps},
+                     {"motion_steps", status.motion_steps}, {"truth_steps", status.truth_steps},
+                     {"answered_steps", status.answered_steps}};
+  return json.dump(2) + "\n";
+}
+
+std::string plan_text(const Config& config, const Plan& plan, const std::string& output) {
+  std::string text = config.title + "\n";
+  text += print("scene       falling: %llu bodies, %llu pairs a step, %llu distinct meshes with %llu triangles\n",
+                static_cast<unsigned long long>(plan.bodies), static_cast<unsigned long long>(plan.pairs),
+                static_cast<unsigned long long>(plan.meshes), static_cast<unsigned long long>(plan.triangles));
+  text += print("motion      %s at accuracy %g, %lld steps at %g per second\n", config.physics.integrator.c_str(),
+                config.physics.accuracy, static_cast<long long>(config.steps), config.rate);
+  text += "truth       exact, by surface; containment is not asked for, so it is not computed\n";
+  for (const AlgorithmChoice& choice : config.algorithms)
+    text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
+            knobs_json(choice.knobs) + "\n";
+  text += print("timing      %lld repeats\n", static_cast<long long>(config.repeats));
+  text += "output      " + output + ", at most about " + bytes_text(plan.file_bytes) + "; memory about " +
+          bytes_text(plan.memory_bytes) + "\n";
+  return text;
+}
+
+std::string plan_json(const Config& config, const Plan& plan, const std::string& output) {
+  Json json = {{"title", config.title},        {"scene", "falling"},
+               {"steps", config.steps},        {"rate", config.rate},
+               {"bodies", plan.bodies},        {"pairs", plan.pairs},
+               {"meshes", plan.meshes},        {"triangles", plan.triangles},
+               {"integrator", config.physics.integrator}, {"accuracy", config.physics.accuracy},
+               {"repeats", config.repeats},    {"output", output},
+               {"file_bytes", plan.file_bytes}, {"memory_bytes", plan.memory_bytes}};
+  json["algorithms"] = Json::array();
+  for (const AlgorithmChoice& choice : config.algorithms)
+    json["algorithms"].push_back(
+        {{"label", choice.label}, {"name", choice.name}, {"knobs", Json::parse(knobs_json(choice.knobs))}});
+  json["effective"] = config.effective;
+  return json.dump(2) + "\n";
+}
+
+std::string list_text(const std::string& what) {
+  if (what != "algorithms") {
+    std::vector<std::vector<std::string>> rows;
+    std::string text;
+    for (const NamedText& row : named(what)) text += print("%-20s %s", row.name, row.what) + "\n";
+    return text;
+  }
+  std::string text;
+  for (const algorithms::Algorithm& row : algorithms::all()) {
+    text += row.name + (row.thesis_key.empty() ? "" : " (" + row.thesis_key + ")") + ": " + row.what + "\n";
+    text += "    promise " + std::string(algorithms::text(row.promise)) + ", scope " +
+            std::string(algorithms::text(row.scope)) + ", operations are " + row.operations_unit + "\n";
+    for (const algorithms::Knob& knob : row.knobs) {
+      text += "    " + knob.name + " = " + value_text(knob.preset) + (knob.unit == "1" ? "" : " " + knob.unit);
+      const std::string range = range_text(knob);
+      text += std::string("  (") + type_name(knob.preset) + (range.empty() ? "" : ": " + range) + ")  " + knob.what + "\n";
+    }
+  }
+  return text;
+}
+
+std::string list_json(const std::string& what) {
+  Json json = Json::array();
+  if (what != "algorithms") {
+    for (const NamedText& row : named(what)) json.push_back({{"name", row.name}, {"what", row.what}});
+    return json.dump(2) + "\n";
+  }
+  for (const algorithms::Algorithm& row : algorithms::all()) {
+    Json knobs = Json::array();
+    for (const algorithms::Knob& knob : row.knobs) {
+      Json entry = {{"name", knob.name},
+                    {"type", type_name(knob.preset)},
+                    {"preset", value_json(knob.preset)},
+                    {"unit", knob.unit},
+                    {"what", knob.what}};
+      if (std::isfinite(knob.least)) entry["least"] = knob.least;
+      if (std::isfinite(knob.most)) entry["most"] = knob.most;
+      if (!knob.choices.empty()) entry["choices"] = knob.choices;
+      if (!knob.rule.empty()) entry["rule"] = knob.rule;
+      knobs.push_back(entry);
+    }
+    json.push_back({{"name", row.name},
+                    {"thesis_key", row.thesis_key},
+                    {"what", row.what},
+                    {"promise", algorithms::text(row.promise)},
+                    {"scope", algorithms::text(row.scope)},
+                    {"operations_unit", row.operations_unit},
+                    {"knobs", knobs}});
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace pipeline

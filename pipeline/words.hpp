@@ -1,0 +1,39 @@
+// Words for messages, and values as text: shared by whatever reads what the user wrote.
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pipeline {
+
+/// The shortest decimal text that reads back as the same double; always with a point or an exponent ("60.0", "1e8"),
+/// so that TOML and JSON readers take it for a real. Not finite: "inf", "-inf", "nan" (TOML only).
+std::string real_text(double value);
+
+/// `text` in double quotes with the escapes that TOML and JSON share. `text` must be UTF-8.
+std::string in_quotes(std::string_view text);
+
+/// `text` fit for one line of a message: control characters and invalid UTF-8 become '?', and of more than `most`
+/// characters the rest becomes "...".
+std::string one_line(std::string_view text, std::size_t most = 60);
+
+/// A byte at which `text` cannot be TOML, or could harm its parser.
+struct Flaw {
+  std::size_t line = 1, column = 1;  // from 1, columns in characters; a byte order mark takes none
+  std::string what;
+};
+
+/// The first of: invalid UTF-8, a NUL, a dotted key of more than 32 parts. The last is valid TOML, but toml++ 3.3 nests
+/// one table per part without a limit and its destructor overflows the stack (seen at 100000 parts).
+std::optional<Flaw> first_flaw(std::string_view text);
+
+/// The member of `known` that `word` was probably meant to be, or "" when none is near enough: at most one edit per
+/// three characters (swapped neighbours are one edit; case does not count).
+std::string nearest(std::string_view word, const std::vector<std::string>& known);
+
+/// The remedy for an unknown word: "did you mean 'x'?", or "known: x, y".
+std::string hint(std::string_view word, const std::vector<std::string>& known);
+
+}  // namespace pipeline

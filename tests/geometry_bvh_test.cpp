@@ -1,0 +1,141 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "geometry/bvh.hpp"
+#include "geometry/shapes.hpp"
+
+namespace {
+
+using namespace geometry;
+
+/// Facets anywhere in the unit cube, some of them without area.
+Mesh soup(std::size_t facets, unsigned seed) {
+  std::mt19937_64 bits(seed);
+  const auto real = [&] { return static_cast<double>(static_cast<std::int64_t>(bits())) * 0x1p-63; };
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < 3 * facets; ++i) mesh.vertices.emplace_back(real(), real(), real());
+  for (std::uint32_t i = 0; i < facets; ++i) mesh.triangles.push_back({3 * i, 3 * i + 1, i % 5 ? 3 * i + 2 : 3 * i});
+  return mesh;
+}
+
+Mesh copies_of_one_facet(std::size_t facets) {
+  Mesh mesh;
+  mesh.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+  mesh.triangles.assign(facets, {0, 1, 2});
+  return mesh;
+}
+
+/// Facets ever smaller towards the origin: equal bins put all but a few into one.
+Mesh geometric_row(std::size_t facets) {
+  Mesh mesh;
+  double x = 1;
+  for (std::uint32_t i = 0; i < facets; ++i, x *= 0.5) {
+    mesh.vertices.insert(mesh.vertices.end(), {Vec3(x, 0, 0), Vec3(x, x, 0), Vec3(x, 0, x)});
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return mesh;
+}
+
+/// Walks the tree; returns its depth.
+int expect_tree(const Bvh& bvh, std::uint32_t node, std::vector<int>& seen, std::vector<int>& facet_seen) {
+  if (node >= bvh.nodes.size() || seen[node]++) {
+    ADD_FAILURE() << "node " << node << " is outside or reached twice";
+    return 0;
+  }
+  const Bvh::Node& n = bvh.nodes[node];
+  if (n.count) {
+    for (std::uint32_t k = n.first; k < n.first + n.count; ++k) ++facet_seen[bvh.order[k]];
+    return 1;
+  }
+  EXPECT_GT(n.second, node + 1) << "children come after their parent";
+  return 1 + std::max(expect_tree(bvh, node + 1, seen, facet_seen), expect_tree(bvh, n.second, seen, facet_seen));
+}
+
+void expect_whole(const Mesh& mesh, int most_deep) {
+  const Bvh bvh = build_bvh(mesh);
+  std::vector<int> seen(bvh.nodes.size()), facet_seen(mesh.triangles.size());
+  EXPECT_LE(expect_tree(bvh, 0, seen, facet_seen), most_deep);
+  EXPECT_TRUE(std::ranges::all_of(seen, [](int n) { return n == 1; })) << "every node once";
+  EXPECT_TRUE(std::ranges::all_of(facet_seen, [](int n) { return n == 1; })) << "every facet in one leaf";
+  std::vector<std::uint32_t> order = bvh.order, all(mesh.triangles.size());
+  std::iota(all.begin(), all.end(), 0u);
+  std::ranges::sort(order);
+  EXPECT_EQ(order, all);
+}
+
+TEST(Bvh, HoldsEveryFacetOnce) {
+  expect_whole(soup(1, 1), 1);
+  for (const std::size_t facets : {2, 3, 4, 5, 6, 7, 9, 60, 1000}) expect_whole(soup(facets, 1), 40);
+  expect_whole(sphere("s", 1, 16), 40);
+  expect_whole(box("b", Vec3(1, 2, 3)), 10);
+}
+
+TEST(Bvh, HoldsFacetsThatLieAllInOnePlace) {
+  expect_whole(copies_of_one_facet(5), 3);
+  expect_whole(copies_of_one_facet(1000), 10);  // halved: 1000 / 2^8 < 4
+}
+
+// 1000 facets within 2^-1000: bins peel off a few at a time, until halving bounds the depth.
+TEST(Bvh, DepthStaysBoundedOnUnevenMeshes) { expect_whole(geometric_row(1000), 64 + 10); }
+
+TEST(Bvh, HoldsFacetsAtTheEndsOfTheRangeOfDoubles) {
+  for (const double scale : {1e308, 1e-320, 1e200, 0.0}) {
+    Mesh mesh = soup(100, 2);
+    for (Vec3& v : mesh.vertices) v *= scale;
+    expect_whole(mesh, 40);
+  }
+}
+
+TEST(Bvh, IsTheSameEveryTime) {
+  const Mesh mesh = soup(500, 3);
+  const Bvh a = build_bvh(mesh), b = build_bvh(mesh);
+  EXPECT_EQ(a.order, b.order);
+  ASSERT_EQ(a.nodes.size(), b.nodes.size());
+  for (std::size_t i = 0; i < a.nodes.size(); ++i) {
+    EXPECT_EQ(a.nodes[i].first, b.nodes[i].first);
+    EXPECT_EQ(a.nodes[i].count, b.nodes[i].count);
+    EXPECT_EQ(a.nodes[i].second, b.nodes[i].second);
+  }
+}
+
+/// The facets below a node.
+void collect(const Bvh& bvh, std::uint32_t node, std::vector<std::uint32_t>& facets) {
+  const Bvh::Node& n = bvh.nodes[node];
+  for (std::uint32_t k = n.first; k < n.first + n.count; ++k) facets.push_back(bvh.order[k]);
+  if (n.count) return;
+  collect(bvh, node + 1, facets);
+  collect(bvh, n.second, facets);
+}
+
+TEST(Bvh, RefittedBoxesAreTheLeastAndGreatestDoublesOfTheirFacets) {
+  for (const Mesh& mesh : {soup(1, 4), soup(77, 4), sphere("s", 1, 6), box("b", Vec3(1, 2, 3))}) {
+    const Bvh bvh = build_bvh(mesh);
+    const Pose pose{normalised({0.3, -0.2, 0.5, 0.7}), Vec3(1e3, -2, 0.1)};
+    std::vector<Vec3> world(mesh.vertices.size());
+    to_world(pose, mesh.vertices, world);
+    std::vector<Box> boxes(bvh.nodes.size());
+    refit(bvh, mesh, world, boxes);
+    for (std::uint32_t i = 0; i < bvh.nodes.size(); ++i) {
+      std::vector<std::uint32_t> facets;
+      collect(bvh, i, facets);
+      for (int axis = 0; axis < 3; ++axis) {
+        double low = 1e300, high = -1e300;
+        for (const std::uint32_t f : facets)
+          for (const std::uint32_t v : mesh.triangles[f]) {
+            low = std::min(low, world[v][axis]);
+            high = std::max(high, world[v][axis]);
+          }
+        ASSERT_EQ(boxes[i].min[axis], low);
+        ASSERT_EQ(boxes[i].max[axis], high);
+      }
+    }
+  }
+}
+
+// About 0.8 s for two million; a quarter of that many here.
+TEST(Bvh, HoldsHalfAMillionFacets) { expect_whole(sphere("s", 1, 350), 60); }
+
+}  // namespace

@@ -1,0 +1,125 @@
+#include "pipeline/part.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "pipeline/error.hpp"
+#include "tests/temporary_folder.hpp"
+
+using namespace pipeline;
+namespace fs = std::filesystem;
+
+namespace {
+
+const PartKey kKey{.config_sha256 = "c1", .program_sha256 = "p1"};
+
+std::string refusal(const fs::path& folder, const PartKey& key, bool force = false) {
+  try {
+    Part part(folder, key, "title", 100, force);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), kFile);
+    return error.what();
+  }
+  return "";
+}
+
+void overwrite(const fs::path& file, std::streamoff at, char with) {
+  std::fstream io(file, std::ios::binary | std::ios::in | std::ios::out);
+  io.seekp(at);
+  io.put(with);
+}
+
+}  // namespace
+
+TEST(Part, GivesBackWhatWasSaved) {
+  const TemporaryFolder folder;
+  Part part(folder / "x.h5.part", kKey, "title", 100, false);
+  EXPECT_FALSE(part.resumed());
+  EXPECT_FALSE(part.load("motion-0000000"));
+  const std::string content("a\0b\xff", 4);
+  part.save("motion-0000000", content);
+  EXPECT_EQ(part.load("motion-0000000"), content);
+  part.save("empty", "");
+  EXPECT_EQ(part.load("empty"), "");
+}
+
+TEST(Part, IsResumedByTheSameKeyOnly) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "x.h5.part";
+  { Part(path, kKey, "title", 100, false).save(chunk_name("motion", 0), "1"); }
+  {
+    Part again(path, kKey, "title", 100, false);
+    EXPECT_TRUE(again.resumed());
+    EXPECT_EQ(again.load(chunk_name("motion", 0)), "1");
+  }
+  EXPECT_NE(refusal(path, {.config_sha256 = "c2", .program_sha256 = "p1"}).find("another configuration"),
+            std::string::npos);
+  EXPECT_NE(refusal(path, {.config_sha256 = "c1", .program_sha256 = "p2"}).find("another build"), std::string::npos);
+  // What was refused is still whole; --force empties it.
+  EXPECT_EQ(Part(path, kKey, "title", 100, false).load(chunk_name("motion", 0)), "1");
+  Part forced(path, {.config_sha256 = "c2", .program_sha256 = "p1"}, "title", 100, true);
+  EXPECT_FALSE(forced.resumed());
+  EXPECT_FALSE(forced.load(chunk_name("motion", 0)));
+}
+
+TEST(Part, RefusesASecondWriterEvenWithForce) {
+  const TemporaryFolder folder;
+  Part first(folder / "x.h5.part", kKey, "title", 100, false);
+  EXPECT_NE(refusal(folder / "x.h5.part", kKey).find("another run"), std::string::npos);
+  EXPECT_NE(refusal(folder / "x.h5.part", kKey, true).find("another run"), std::string::npos);
+}
+
+TEST(Part, NeverEmptiesAFolderThatIsNotItsOwn) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "x.h5.part");
+  std::ofstream(folder / "x.h5.part/diary.txt") << "dear diary";
+  EXPECT_NE(refusal(folder / "x.h5.part", kKey, true), "");
+  EXPECT_TRUE(fs::exists(folder / "x.h5.part/diary.txt"));
+}
+
+// A torn or damaged chunk counts as absent, so its steps are computed again.
+TEST(Part, TakesNoDamagedChunk) {
+  const TemporaryFolder folder;
+  Part part(folder / "p", kKey, "title", 100, false);
+  part.save("whole", std::string(1000, 'x'));
+  for (const std::streamoff at : {0, 8, 23, 24, 700, 1023}) {
+    part.save("damaged", std::string(1000, 'x'));
+    overwrite(folder / "p/damaged", at, '!');
+    EXPECT_FALSE(part.load("damaged")) << "byte " << at;
+  }
+  for (const std::uintmax_t size : {0, 7, 24, 500, 1023}) {
+    part.save("torn", std::string(1000, 'x'));
+    fs::resize_file(folder / "p/torn", size);
+    EXPECT_FALSE(part.load("torn")) << "size " << size;
+  }
+  EXPECT_TRUE(part.load("whole"));
+}
+
+TEST(Part, SaysHowFarItIs) {
+  const TemporaryFolder folder;
+  Part part(folder / "p", kKey, "A title", 120, false);
+  part.save(chunk_name("motion", 0), "");
+  part.save(chunk_name("motion", 50), "");
+  part.save(chunk_name("motion", 100), "");
+  part.save(chunk_name("truth", 50), "");
+  const PartStatus status = part_status(folder / "p");
+  EXPECT_EQ(status.title, "A title");
+  EXPECT_EQ(status.steps, 120);
+  EXPECT_EQ(status.motion_steps, 120);
+  EXPECT_EQ(status.truth_steps, 50);
+  EXPECT_EQ(status.answered_steps, 0);
+  EXPECT_THROW(part_status(folder / "elsewhere"), Error);
+}
+
+TEST(Chunk, ReadsWhatWasWritten) {
+  ChunkWriter out;
+  out.put(std::vector<double>{1, -0.0, 2});
+  out.put(std::string("text"));
+  out.put(std::vector<std::uint64_t>{});
+  ChunkReader in(out.bytes);
+  EXPECT_EQ(in.get<double>(), (std::vector<double>{1, -0.0, 2}));
+  EXPECT_EQ(in.text(), "text");
+  EXPECT_TRUE(in.get<std::uint64_t>().empty());
+  EXPECT_THROW(in.get<char>(), std::logic_error);
+}

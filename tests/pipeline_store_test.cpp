@@ -1,0 +1,415 @@
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "pipeline/error.hpp"
+#include "pipeline/h5.hpp"
+#include "pipeline/store.hpp"
+#include "synthetic_result.hpp"
+
+namespace pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own for every test, removed afterwards.
+class Store : public testing::Test {
+ protected:
+  Store() {
+    std::string pattern = (fs::temp_directory_path() / "store_test_XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~Store() override { fs::remove_all(folder_); }
+
+  fs::path file(const std::string& name = "result.h5") const { return folder_ / name; }
+
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename());
+    return names;
+  }
+
+ private:
+  fs::path folder_;
+};
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void put(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+
+/// The line of the Error that reading ends with; also checks its code and that it is one line about this file.
+std::string reading_fails(const fs::path& path) {
+  try {
+    read_result(path);
+  } catch (const Error& error) {
+    const std::string line = error.what();
+    EXPECT_EQ(error.code(), kFile) << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    EXPECT_EQ(line.rfind(path.string() + ": ", 0), 0u) << line;
+    EXPECT_NE(line.find("; "), std::string::npos) << "no remedy: " << line;
+    return line;
+  }
+  ADD_FAILURE() << path << " was read";
+  return {};
+}
+
+std::string writing_fails(const fs::path& path) {
+  Result result = synthetic_result();
+  try {
+    write_result(result, path);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), kFile) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << path << " was written";
+  return {};
+}
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+void expect_same(const PairLists& a, const PairLists& b) {
+  EXPECT_EQ(a.offset, b.offset);
+  EXPECT_EQ(a.pair, b.pair);
+}
+
+void expect_same(const Result& a, const Result& b) {
+  EXPECT_EQ(a.title, b.title);
+  EXPECT_EQ(a.config_text, b.config_text);
+  EXPECT_EQ(a.config_effective, b.config_effective);
+  EXPECT_EQ(a.rate, b.rate);
+  EXPECT_EQ(a.digest, b.digest);
+
+  ASSERT_EQ(a.bodies.meshes.size(), b.bodies.meshes.size());
+  for (std::size_t m = 0; m < a.bodies.meshes.size(); ++m) {
+    const geometry::Mesh &x = a.bodies.meshes[m], &y = b.bodies.meshes[m];
+    EXPECT_EQ(x.name, y.name);
+    EXPECT_EQ(x.vertices, y.vertices);
+    EXPECT_EQ(x.triangles, y.triangles);
+    EXPECT_EQ(x.shape, y.shape);
+    EXPECT_TRUE(same_bits(x.surface_deviation, y.surface_deviation)) << x.name;
+    EXPECT_EQ(x.sphere_radius, y.sphere_radius);
+  }
+  EXPECT_EQ(a.bodies.name, b.bodies.name);
+  EXPECT_EQ(a.bodies.mesh, b.bodies.mesh);
+  EXPECT_EQ(a.bodies.fixed, b.bodies.fixed);
+  EXPECT_EQ(a.bodies.chosen, b.bodies.chosen);
+  EXPECT_EQ(a.first_step, b.first_step);
+
+  ASSERT_EQ(a.steps(), b.steps());
+  for (std::size_t s = 0; s < a.steps(); ++s) {
+    ASSERT_EQ(a.motion[s].size(), b.motion[s].size());
+    for (std::size_t body = 0; body < a.motion[s].size(); ++body) {
+      const geometry::Pose &p = a.motion[s][body], &q = b.motion[s][body];
+      EXPECT_TRUE(same_bits(p.q.w, q.q.w) && same_bits(p.q.x, q.q.x) && same_bits(p.q.y, q.q.y) &&
+                  same_bits(p.q.z, q.q.z) && same_bits(p.t.x(), q.t.x()) && same_bits(p.t.y(), q.t.y()) &&
+                  same_bits(p.t.z(), q.t.z()))
+          << "step " << s << ", body " << body;
+    }
+  }
+  ASSERT_EQ(a.physics.has_value(), b.physics.has_value());
+  if (a.physics) {
+    EXPECT_EQ(a.physics->status, b.physics->status);
+    ASSERT_EQ(a.physics->rows.size(), b.physics->rows.size());
+    for (std::size_t s = 0; s < a.physics->rows.size(); ++s) {
+      const PhysicsSample &x = a.physics->rows[s], &y = b.physics->rows[s];
+      EXPECT_TRUE(same_bits(x.energy, y.energy) && same_bits(x.kinetic_energy, y.kinetic_energy) &&
+                  same_bits(x.greatest_penetration, y.greatest_penetration))
+          << "step " << s;
+      EXPECT_EQ(x.contacts, y.contacts);
+      EXPECT_EQ(x.integrator_steps, y.integrator_steps);
+      EXPECT_EQ(x.rejected_steps, y.rejected_steps);
+      EXPECT_EQ(x.force_evaluations, y.force_evaluations);
+      EXPECT_EQ(x.time_ns, y.time_ns);
+      EXPECT_EQ(x.contact_time_ns, y.contact_time_ns);
+    }
+  }
+  expect_same(a.truth.hits, b.truth.hits);
+  EXPECT_EQ(a.truth.time_ns, b.truth.time_ns);
+
+  ASSERT_EQ(a.answers.size(), b.answers.size());
+  for (std::size_t i = 0; i < a.answers.size(); ++i) {
+    const Answers &x = a.answers[i], &y = b.answers[i];
+    const auto texts = [](const Answers& one) {
+      return std::vector{one.label,           one.name,  one.knobs,        one.promise,      one.thesis_key,
+                         one.operations_unit, one.scope, one.machine.host, one.machine.date, one.machine.processor,
+                         one.machine.build};
+    };
+    EXPECT_EQ(texts(x), texts(y));
+    expect_same(x.hits, y.hits);
+    EXPECT_EQ(x.time_ns, y.time_ns);
+    EXPECT_EQ(x.time_median_ns, y.time_median_ns);
+    EXPECT_EQ(x.prepare_ns, y.prepare_ns);
+    EXPECT_EQ(x.operations, y.operations);
+    EXPECT_EQ(x.true_positive, y.true_positive);
+    EXPECT_EQ(x.false_positive, y.false_positive);
+    EXPECT_EQ(x.false_negative, y.false_negative);
+    EXPECT_EQ(x.rounding_miss, y.rounding_miss);
+  }
+  ASSERT_EQ(a.summary.size(), b.summary.size());
+  for (std::size_t i = 0; i < a.summary.size(); ++i) {
+    const Summary &x = a.summary[i], &y = b.summary[i];
+    const auto counts = [](const Summary& s) {
+      return std::vector{s.hits, s.true_positive, s.false_positive, s.false_negative, s.operations};
+    };
+    EXPECT_EQ(counts(x), counts(y));
+    EXPECT_TRUE(same_bits(x.error, y.error) && same_bits(x.precision, y.precision) && same_bits(x.recall, y.recall) &&
+                same_bits(x.matthews, y.matthews) && same_bits(x.time_mean_ns, y.time_mean_ns) &&
+                same_bits(x.time_median_ns, y.time_median_ns) && same_bits(x.time_p95_ns, y.time_p95_ns))
+        << x.error;
+    EXPECT_EQ(x.promise_kept, y.promise_kept);
+  }
+  const auto texts = [](const Provenance& p) {
+    return std::vector{p.creator,       p.git_commit,    p.build_type, p.compiler, p.flags,    p.library_versions,
+                       p.config_sha256, p.inputs_sha256, p.date,       p.host,     p.processor};
+  };
+  EXPECT_EQ(texts(a.provenance), texts(b.provenance));
+  EXPECT_EQ(a.provenance.wall_time_s, b.provenance.wall_time_s);
+}
+
+/// Writes, reads, compares, writes again and compares the bytes.
+void round_trip(Result result, const fs::path& first, const fs::path& second) {
+  write_result(result, first);
+  Result read = read_result(first);
+  expect_same(result, read);
+  write_result(read, second);
+  EXPECT_TRUE(bytes_of(first) == bytes_of(second)) << "the second file differs";
+}
+
+TEST_F(Store, ReadsBackEverythingAndWritesItTheSame) { round_trip(synthetic_result(), file("a.h5"), file("b.h5")); }
+
+TEST_F(Store, WritesTheSameBytesForTheSameResult) {
+  Result a = synthetic_result(120, 40, 4, 60), b = synthetic_result(120, 40, 4, 60);
+  write_result(a, file("a.h5"));
+  write_result(b, file("b.h5"));
+  EXPECT_GT(fs::file_size(file("a.h5")), 10'000u);
+  EXPECT_TRUE(bytes_of(file("a.h5")) == bytes_of(file("b.h5")));
+}
+
+TEST_F(Store, KeepsWhatHasManyChunks) { round_trip(synthetic_result(700, 60, 2, 300), file("a.h5"), file("b.h5")); }
+
+TEST_F(Store, KeepsOneStep) { round_trip(synthetic_result(1, 3, 1, 1), file("a.h5"), file("b.h5")); }
+
+TEST_F(Store, KeepsListsWithoutPairs) {
+  const Result result = synthetic_result(5, 4, 2, 0);
+  ASSERT_TRUE(result.truth.hits.pair.empty());
+  round_trip(result, file("a.h5"), file("b.h5"));
+}
+
+TEST_F(Store, KeepsWhichBodiesWereChosen) {
+  Result result = synthetic_result();
+  result.bodies.chosen = {0, 1, 0, 0, 1};
+  round_trip(result, file("a.h5"), file("b.h5"));
+}
+
+TEST_F(Store, KeepsAFailedIntegration) {
+  Result result = synthetic_result();
+  result.physics->status = "failed at step 4: energy grew tenfold";
+  for (std::size_t s = 4; s < result.steps(); ++s) {
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    result.physics->rows[s] = {kNaN, kNaN, kNaN, 0, 0, 0, 0, 0, 0};
+    for (std::size_t body = 1; body < result.bodies.size(); ++body) result.motion[s][body] = geometry::unborn();
+  }
+  round_trip(result, file("a.h5"), file("b.h5"));
+}
+
+TEST_F(Store, KeepsTextsOfAnyLength) {
+  Result result = synthetic_result();
+  result.config_text = "";
+  // More than the 64 KiB that an attribute of fixed length could hold.
+  result.config_effective = std::string(200'000, 'x');
+  result.answers[0].knobs = "";
+  result.title = "";
+  round_trip(result, file("a.h5"), file("b.h5"));
+}
+
+TEST_F(Store, KeepsAMeshFileWithoutARadius) {
+  Result result = synthetic_result();
+  geometry::Mesh& mesh = result.bodies.meshes[1];
+  mesh.shape = "{\"file\":\"hero.obj\",\"radius\":5}";
+  mesh.surface_deviation = std::numeric_limits<double>::quiet_NaN();
+  mesh.triangles.pop_back();  // open
+  round_trip(result, file("a.h5"), file("b.h5"));
+  EXPECT_EQ(
+      h5::read_attribute<std::uint8_t>(
+          h5::File(H5Fopen(file("a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open").id(), "/meshes/plate", "closed"),
+      0);
+}
+
+TEST_F(Store, LeavesOutWhatTheSceneDoesNotNeed) {
+  Result result = synthetic_result();
+  result.physics.reset();
+  result.answers.clear();
+  result.summary.clear();
+  round_trip(result, file("a.h5"), file("b.h5"));
+  const h5::File opened(H5Fopen(file("a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+  for (const char* absent : {"/physics", "/algorithm", "/results", "/answers", "/summary", "/bodies/chosen"})
+    EXPECT_FALSE(h5::exists(opened.id(), absent)) << absent;
+  for (const char* present : {"/bodies", "/motion", "/truth", "/run", "/config"})
+    EXPECT_TRUE(h5::exists(opened.id(), present)) << present;
+}
+
+TEST_F(Store, DigestsAreThoseInTheFile) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  const h5::File opened(H5Fopen(file().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+  const auto all = digests(result);
+  EXPECT_EQ(all.size(), 6u);
+  for (const auto& [group, digest] : all)
+    EXPECT_EQ(h5::read_attribute<std::string>(opened.id(), group, "digest"), digest) << group;
+  EXPECT_EQ(result.digest, all.at("/"));
+}
+
+TEST_F(Store, ReplacesAnExistingFileAndLeavesNothingBeside) {
+  put(file(), "an older file");
+  Result result = synthetic_result();
+  write_result(result, file());
+  EXPECT_EQ(read_result(file()).digest, result.digest);
+  EXPECT_EQ(files(), std::vector<std::string>{"result.h5"});
+}
+
+TEST_F(Store, SaysThatAFileIsMissing) { EXPECT_NE(reading_fails(file()).find("No such file"), std::string::npos); }
+
+TEST_F(Store, SaysThatAFolderIsNoFile) {
+  fs::create_directory(file());
+  EXPECT_NE(reading_fails(file()).find("is a folder"), std::string::npos);
+}
+
+TEST_F(Store, SaysThatAFileIsNotHdf5) {
+  put(file("text.h5"), "title = \"a configuration\"\n");
+  put(file("empty.h5"), "");
+  EXPECT_NE(reading_fails(file("text.h5")).find("is not an HDF5 file"), std::string::npos);
+  EXPECT_NE(reading_fails(file("empty.h5")).find("is not an HDF5 file"), std::string::npos);
+}
+
+TEST_F(Store, SaysThatAFileIsOfAnotherProgram) {
+  { const h5::File made(H5Fcreate(file().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), "make"); }
+  EXPECT_NE(reading_fails(file()).find("of another program"), std::string::npos);
+}
+
+/// Gives the file another schema version.
+void set_schema(const fs::path& path, std::int64_t version) {
+  const h5::File opened(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open");
+  h5::check(H5Adelete(opened.id(), "schema_version"), "delete");
+  h5::write_attribute(opened.id(), "schema_version", version);
+}
+
+TEST_F(Store, RefusesANewerSchemaAndNamesBoth) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  set_schema(file(), 17);
+  const std::string line = reading_fails(file());
+  EXPECT_NE(line.find("schema version 17"), std::string::npos) << line;
+  EXPECT_NE(line.find("up to " + std::to_string(kSchemaVersion)), std::string::npos) << line;
+  EXPECT_NE(line.find("newer program"), std::string::npos) << line;
+  set_schema(file(), 0);
+  EXPECT_NE(reading_fails(file()).find("schema version 0"), std::string::npos);
+}
+
+TEST_F(Store, SaysThatAFileIsTruncated) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  const std::string bytes = bytes_of(file());
+  for (const double part : {0.01, 0.3, 0.9, 0.9999}) {
+    SCOPED_TRACE(part);
+    put(file("part.h5"), bytes.substr(0, static_cast<std::size_t>(static_cast<double>(bytes.size()) * part)));
+    EXPECT_NE(reading_fails(file("part.h5")).find("is truncated"), std::string::npos);
+  }
+}
+
+// Wherever a byte is changed, reading gives either what was written or an error: never another result, never a crash.
+TEST_F(Store, NeverReadsADamagedFileAsSomethingElse) {
+  Result result = synthetic_result(3, 3, 1, 1);
+  write_result(result, file());
+  const std::string bytes = bytes_of(file());
+  std::mt19937_64 random(5);
+  int refused = 0, read = 0;
+  for (int i = 0; i < 50; ++i) {
+    std::string damaged = bytes;
+    const std::size_t at = random() % damaged.size();
+    damaged[at] = static_cast<char>(damaged[at] ^ static_cast<char>(1 << random() % 8));
+    put(file("damaged.h5"), damaged);
+    SCOPED_TRACE("byte " + std::to_string(at));
+    try {
+      EXPECT_EQ(digests(read_result(file("damaged.h5"))), digests(result));
+      ++read;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), kFile);
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 0) << "of " << refused + read;
+}
+
+TEST_F(Store, RefusesChangedAnswers) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  {
+    const h5::File opened(H5Fopen(file().c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open");
+    const h5::Dataset dataset(H5Dopen2(opened.id(), "/summary/error", H5P_DEFAULT), "open");
+    const std::vector<double> better(result.answers.size(), 0.0);
+    h5::check(H5Dwrite(dataset.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, better.data()), "write");
+  }
+  EXPECT_NE(reading_fails(file()).find("does not have its digest"), std::string::npos);
+}
+
+TEST_F(Store, SaysWhyAFileCannotBeWritten) {
+  const fs::path nowhere = file("absent") / "result.h5";
+  const std::string line = writing_fails(nowhere);
+  EXPECT_EQ(line.rfind(nowhere.string() + ": cannot be written (No such file or directory)", 0), 0u) << line;
+  fs::create_directory(file("folder.h5"));
+  EXPECT_NE(writing_fails(file("folder.h5")).find("not a regular file"), std::string::npos);
+  EXPECT_NE(writing_fails("/dev/full").find("not a regular file"), std::string::npos);
+}
+
+// A limit on the size of files stands for a full disk: the write fails in the middle in the same way.
+TEST_F(Store, KeepsTheOldFileWhenThereIsNoRoom) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  const std::string before = bytes_of(file());
+
+  struct rlimit old;
+  getrlimit(RLIMIT_FSIZE, &old);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const struct rlimit small { 4096, old.rlim_max };
+  setrlimit(RLIMIT_FSIZE, &small);
+  const std::string line = writing_fails(file());
+  setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, handler);
+
+  EXPECT_NE(line.find("cannot be written (File too large)"), std::string::npos) << line;
+  EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+  EXPECT_TRUE(bytes_of(file()) == before);
+  EXPECT_EQ(files(), std::vector<std::string>{"result.h5"});
+}
+
+TEST(EstimatedBytes, CountPosesPairsAndColumns) {
+  // One step more costs 56 bytes a pose, (A + 1) lists of 4 pairs a body and an offset, 9 columns of results and 9 of
+  // physics.
+  const std::uint64_t bodies = 275, algorithms = 11;
+  const std::uint64_t step = bodies * 56 + (algorithms + 1) * (4 * bodies * 8 + 8) + algorithms * 9 * 8 + 9 * 8;
+  EXPECT_EQ(estimated_bytes(601, bodies, algorithms, 1000) - estimated_bytes(600, bodies, algorithms, 1000), step);
+  EXPECT_EQ(estimated_bytes(600, bodies, algorithms, 5000) - estimated_bytes(600, bodies, algorithms, 1000), 4000u);
+}
+
+// For the tests in Python: writes the made-up result where RESULT_FILE says, when it says so.
+TEST(SyntheticResult, CanBeLeftForOthers) {
+  Result result = synthetic_result(50, 12, 3, 20);
+  const char* place = std::getenv("SYNTHETIC_RESULT");
+  const fs::path path = place ? fs::path(place) : fs::temp_directory_path() / ("synthetic_" + std::to_string(getpid()));
+  write_result(result, path);
+  EXPECT_EQ(read_result(path).digest, result.digest);
+  if (!place) fs::remove(path);
+}
+
+}  // namespace
+}  // namespace pipeline

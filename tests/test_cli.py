@@ -1,0 +1,419 @@
+"""The program as its users meet it: commands, exit codes, one-line errors, resuming."""
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PIPELINE = os.environ.get("PIPELINE", str(ROOT / "build" / "pipeline"))
+SMOKE = str(ROOT / "configs" / "smoke.toml")
+
+DONE, FAILED, USAGE, INPUT, FILE, INTERRUPTED = 0, 1, 2, 3, 4, 130
+
+
+def pipeline(*arguments, cwd=None, **more):
+    return subprocess.run([PIPELINE, *map(str, arguments)], cwd=cwd, text=True, capture_output=True, timeout=300, **more)
+
+
+def digest(path):
+    with h5py.File(path) as file:
+        return file.attrs["digest"]
+
+
+def one_line(run):
+    """stderr as the single line that an error must be."""
+    lines = run.stderr.strip().splitlines()
+    assert len(lines) == 1, run.stderr
+    return lines[0]
+
+
+@pytest.fixture(scope="module")
+def smoke(tmp_path_factory):
+    path = tmp_path_factory.mktemp("smoke") / "smoke.h5"
+    run = pipeline("run", SMOKE, "-o", path)
+    assert run.returncode == DONE, run.stderr
+    return path
+
+
+# ---- run, show, check, list
+
+
+def test_run_writes_under_results_by_default(tmp_path):
+    run = pipeline("run", SMOKE, "--set", "steps=3", cwd=tmp_path)
+    assert run.returncode == DONE, run.stderr
+    assert (tmp_path / "results" / "smoke.h5").is_file()
+    assert not (tmp_path / "results" / "smoke.h5.part").exists()
+    assert "results/smoke.h5" in run.stdout
+
+
+def test_two_runs_and_thread_counts_give_the_same_digest(smoke, tmp_path):
+    for threads in (1, 3):
+        again = tmp_path / f"again{threads}.h5"
+        assert pipeline("run", SMOKE, "-o", again, "--threads", threads).returncode == DONE
+        assert digest(again) == digest(smoke)
+
+
+def test_another_question_gives_another_digest(smoke, tmp_path):
+    other = tmp_path / "other.h5"
+    assert pipeline("run", SMOKE, "-o", other, "--set", "scene.shift=0.2").returncode == DONE
+    assert digest(other) != digest(smoke)
+
+
+def test_json_is_one_valid_document(smoke, tmp_path):
+    run = pipeline("run", SMOKE, "-o", tmp_path / "x.h5", "--json", "--quiet", "--set", "steps=5")
+    assert json.loads(run.stdout)["steps"] == 5
+    shown = json.loads(pipeline("show", smoke, "--json").stdout)
+    assert shown["digest"] == digest(smoke)
+    with h5py.File(smoke) as file:
+        for a, row in enumerate(shown["algorithms"]):
+            assert row["false_positive"] == file["summary/false_positive"][a]
+            assert row["error"] == file["summary/error"][a]
+
+
+def test_show_prints_error_counts_time_and_digest(smoke):
+    text = pipeline("show", smoke).stdout
+    for word in ("error", "false positive", "false negative", "mean time", "bounding_sphere", digest(smoke)):
+        assert word in text
+
+
+def test_check_says_what_would_run_and_writes_nothing(tmp_path):
+    run = pipeline("check", SMOKE, cwd=tmp_path)
+    assert run.returncode == DONE
+    for word in ("18 bodies", "bounding_sphere", "RungeKuttaMerson", "memory"):
+        assert word in run.stdout
+    assert list(tmp_path.iterdir()) == []
+    assert json.loads(pipeline("check", SMOKE, "--json").stdout)["bodies"] == 18
+
+
+@pytest.mark.parametrize("what", ["algorithms", "scenes", "shapes", "integrators"])
+def test_list_names_what_configurations_can_name(what):
+    names = [row["name"] for row in json.loads(pipeline("list", what, "--json").stdout)]
+    assert names
+    text = pipeline("list", what).stdout
+    assert all(name in text for name in names)
+
+
+def test_version_and_help_everywhere():
+    version = pipeline("--version")
+    assert version.returncode == DONE and version.stdout.startswith("0.")
+    for command in ([], ["run"], ["check"], ["list"], ["show"], ["detect"]):
+        run = pipeline(*command, "--help")
+        assert run.returncode == DONE and "--help" in run.stdout
+
+
+def test_nothing_but_errors_on_stderr_when_it_is_no_terminal(tmp_path):
+    assert pipeline("run", SMOKE, "-o", tmp_path / "x.h5", "--set", "steps=3").stderr == ""
+
+
+# ---- detect
+
+
+def test_detect_adds_an_algorithm_and_keeps_motion_and_truth(smoke, tmp_path):
+    copy = tmp_path / "copy.h5"
+    shutil.copy(smoke, copy)
+    before = json.loads(pipeline("show", copy, "--json").stdout)
+    run = pipeline("detect", copy, "--algorithm", "obb_sat@again", "--json")
+    assert run.returncode == DONE, run.stderr
+    after = json.loads(run.stdout)
+    for group in ("/motion", "/truth", "/answers/obb_sat"):
+        assert after["digests"][group] == before["digests"][group]
+    assert after["digests"]["/answers/again"]
+    assert after["digest"] != before["digest"]
+    rows = {row["label"]: row for row in after["algorithms"]}
+    assert rows["again"]["false_positive"] == rows["obb_sat"]["false_positive"]
+    assert rows["again"]["operations"] == rows["obb_sat"]["operations"]
+
+
+def test_detect_refuses_a_label_that_exists_unless_forced(smoke, tmp_path):
+    copy = tmp_path / "copy.h5"
+    shutil.copy(smoke, copy)
+    content = copy.read_bytes()
+    run = pipeline("detect", copy, "--algorithm", "obb_sat")
+    assert run.returncode == FILE and "--force" in one_line(run)
+    assert copy.read_bytes() == content
+    assert pipeline("detect", copy, "--algorithm", "obb_sat", "--force").returncode == DONE
+    assert digest(copy) == digest(smoke)
+
+
+def test_detect_repeats_the_files_own_algorithms(smoke, tmp_path):
+    copy = tmp_path / "copy.h5"
+    shutil.copy(smoke, copy)
+    assert pipeline("detect", copy, "--force").returncode == DONE
+    assert digest(copy) == digest(smoke)
+
+
+@pytest.mark.parametrize("argument, words", [
+    ("obb_satt", ["obb_satt", "obb_sat"]),
+    ("obb_sat:stride=3", ["stride"]),
+    ("obb_sat@a b", ["a b"]),
+])
+def test_detect_refuses_wrong_algorithms(smoke, argument, words):
+    run = pipeline("detect", smoke, "--algorithm", argument)
+    assert run.returncode == INPUT
+    line = one_line(run)
+    assert all(word in line for word in words), line
+
+
+# ---- a run is never lost
+
+
+def start(*arguments):
+    return subprocess.Popen([PIPELINE, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def wait_for(condition, seconds=60):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if condition():
+            return True
+        time.sleep(0.002)
+    return False
+
+
+# Longer than smoke, so that there is time to be killed in: eight chunks of 50 steps in each stage.
+LONG = ["--set", "steps=400", "--set", "timing.repeats=5"]
+
+
+@pytest.fixture(scope="module")
+def long_digest(tmp_path_factory):
+    path = tmp_path_factory.mktemp("long") / "long.h5"
+    assert pipeline("run", SMOKE, "-o", path, *LONG).returncode == DONE
+    return digest(path)
+
+
+@pytest.mark.parametrize("kill", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize("chunk", ["motion-0000000", "motion-0000200", "truth-0000100", "answers-0000150"])
+def test_a_killed_run_resumes_and_ends_with_the_same_digest(tmp_path, long_digest, kill, chunk):
+    path = tmp_path / "x.h5"
+    part = tmp_path / "x.h5.part"
+    run = start("run", SMOKE, "-o", path, *LONG)
+    assert wait_for(lambda: (part / chunk).exists() or run.poll() is not None)
+    run.send_signal(kill)
+    run.communicate(timeout=60)
+    if run.returncode != DONE:  # it may have been quicker than the signal
+        assert run.returncode == (INTERRUPTED if kill == signal.SIGINT else -signal.SIGKILL)
+        assert not path.exists()
+        shown = pipeline("show", part)
+        assert shown.returncode == DONE and "unfinished" in shown.stdout
+        kept = (part / chunk).stat().st_mtime_ns
+        again = start("run", SMOKE, "-o", path, *LONG)
+        wait_for(lambda: path.exists() or again.poll() is not None)
+        assert again.wait(timeout=120) == DONE
+        assert kept
+    assert digest(path) == long_digest
+    assert not part.exists()
+
+
+def test_a_run_killed_again_and_again_ends_with_the_same_digest(tmp_path, long_digest):
+    path = tmp_path / "x.h5"
+    kills = 0
+    for delay in (0.05, 0.1, 0.2, 0.3, 0.4, 0.5):
+        run = start("run", SMOKE, "-o", path, *LONG)
+        try:
+            run.communicate(timeout=delay)
+        except subprocess.TimeoutExpired:
+            run.kill()
+            run.communicate()
+            kills += 1
+    if not path.exists():
+        assert pipeline("run", SMOKE, "-o", path, *LONG).returncode == DONE
+    assert kills > 0
+    assert digest(path) == long_digest
+
+
+def test_a_second_writer_is_refused(tmp_path):
+    path = tmp_path / "x.h5"
+    first = start("run", SMOKE, "-o", path, "--set", "steps=2000")
+    assert wait_for(lambda: (tmp_path / "x.h5.part" / "manifest.json").exists())
+    second = pipeline("run", SMOKE, "-o", path, "--set", "steps=2000")
+    assert second.returncode == FILE and "another run" in one_line(second)
+    first.kill()
+    first.communicate()
+
+
+def test_a_part_of_another_configuration_is_refused_unless_forced(tmp_path):
+    path = tmp_path / "x.h5"
+    first = start("run", SMOKE, "-o", path, "--set", "steps=2000")
+    assert wait_for(lambda: (tmp_path / "x.h5.part" / "motion-0000000").exists())
+    first.kill()
+    first.communicate()
+    other = pipeline("run", SMOKE, "-o", path, "--set", "steps=10")
+    assert other.returncode == FILE and "another configuration" in one_line(other)
+    assert pipeline("run", SMOKE, "-o", path, "--set", "steps=10", "--force").returncode == DONE
+
+
+def test_a_damaged_chunk_is_computed_again(tmp_path, long_digest):
+    path = tmp_path / "x.h5"
+    part = tmp_path / "x.h5.part"
+    run = start("run", SMOKE, "-o", path, *LONG)
+    assert wait_for(lambda: (part / "truth-0000100").exists())
+    run.kill()
+    run.communicate()
+    with open(part / "truth-0000100", "r+b") as chunk:
+        chunk.seek(-1, os.SEEK_END)
+        last = chunk.read(1)
+        chunk.seek(-1, os.SEEK_END)
+        chunk.write(bytes([last[0] ^ 1]))
+    again = pipeline("run", SMOKE, "-o", path, *LONG)
+    assert again.returncode == DONE and "damaged" in again.stderr
+    assert digest(path) == long_digest
+
+
+# ---- what goes wrong
+
+
+@pytest.mark.parametrize("setting, words", [
+    ("steps=-1", ["--set steps=-1", "steps"]),
+    ("steps=0", ["steps"]),
+    ("steps=\"ten\"", ["steps", "integer"]),
+    ("scene.segments=1000000000", ["segments"]),
+    ("physics.accuracy=0", ["accuracy"]),
+    ("physics.accuracy=nan", ["accuracy"]),
+    ("physics.integrator=RungeKuta3", ["RungeKutta3"]),
+    ("physics.stifness=1", ["stifness", "stiffness"]),
+    ("nonsense.key=1", ["nonsense"]),
+    ("algorithm.0.name=obb_satt", ["obb_satt", "obb_sat"]),
+    ("algorithm.0.knob=1", ["knob"]),
+    ("steps=", ["steps"]),
+])
+def test_wrong_values_are_one_line_and_code_3(tmp_path, setting, words):
+    run = pipeline("run", SMOKE, "--set", setting, "-o", tmp_path / "x.h5")
+    assert run.returncode == INPUT, run.stderr
+    line = one_line(run)
+    assert all(word in line for word in words), line
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("text, place, words", [
+    ("steps = -1\n[scene]\nkind = \"falling\"\n", ":1:", ["steps"]),
+    ("stepz = 5\n[scene]\nkind = \"falling\"\n", ":1:", ["stepz", "steps"]),
+    ("[scene]\nkind = \"faling\"\n", ":2:", ["falling"]),
+    ("[scene]\nkind = \"falling\"\nsegments = [\n", ":", []),
+    ("steps = 1", "", ["scene"]),
+    ("[scene]\nkind = \"falling\"\n[[algorithm]]\nname = \"nothing\"\n", ":4:", ["nothing"]),
+    ("[scene]\nkind = \"falling\"\n[[algorithm]]\nname = \"obb_sat\"\n[[algorithm]]\nname = \"obb_sat\"\n", ":", ["obb_sat"]),
+])
+def test_wrong_configurations_name_file_line_and_rule(tmp_path, text, place, words):
+    config = tmp_path / "wrong.toml"
+    config.write_text(text)
+    for command in (["run", config, "-o", tmp_path / "x.h5"], ["check", config]):
+        run = pipeline(*command)
+        assert run.returncode == INPUT, run.stderr
+        line = one_line(run)
+        assert line.startswith(str(config) + place), line
+        assert all(word in line for word in words), line
+    assert [p.name for p in tmp_path.iterdir()] == ["wrong.toml"]
+
+
+def test_a_missing_or_unreadable_configuration_is_code_3(tmp_path):
+    for path in (tmp_path / "missing.toml", tmp_path):
+        run = pipeline("run", path)
+        assert run.returncode == INPUT and str(path) in one_line(run)
+
+
+@pytest.mark.parametrize("arguments", [
+    [], ["fly"], ["run"], ["run", SMOKE, "--bogus"], ["run", SMOKE, "--threads", "many"], ["list", "cakes"], ["show"],
+    ["run", SMOKE, "--set", "steps"],
+])
+def test_wrong_grammar_is_code_2(arguments):
+    run = pipeline(*arguments)
+    assert run.returncode == USAGE
+    assert run.stdout == "" and run.stderr != ""
+
+
+def test_an_existing_output_is_kept_unless_forced(tmp_path):
+    path = tmp_path / "x.h5"
+    path.write_text("precious")
+    run = pipeline("run", SMOKE, "-o", path, "--set", "steps=3")
+    assert run.returncode == FILE and "--force" in one_line(run)
+    assert path.read_text() == "precious"
+    assert pipeline("run", SMOKE, "-o", path, "--set", "steps=3", "--force").returncode == DONE
+    assert pipeline("show", path).returncode == DONE
+
+
+def test_an_output_that_cannot_be_written_is_code_4(tmp_path):
+    (tmp_path / "file").write_text("")
+    for path in ("/proc/nothing/x.h5", tmp_path / "file" / "x.h5", tmp_path):
+        run = pipeline("run", SMOKE, "-o", path)
+        assert run.returncode == FILE, run.stderr
+        one_line(run)
+
+
+def test_a_full_disk_is_code_4_and_keeps_what_was_committed(tmp_path, long_digest):
+    path = tmp_path / "x.h5"
+
+    def tiny_files():  # a limit on the size of files is the full disk that needs no mount
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (30000, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
+
+    run = pipeline("run", SMOKE, "-o", path, *LONG, preexec_fn=tiny_files)
+    assert run.returncode == FILE, run.stderr
+    one_line(run)
+    assert not path.exists()
+    assert pipeline("run", SMOKE, "-o", path, *LONG).returncode == DONE
+    assert digest(path) == long_digest
+
+
+def test_a_full_stdout_is_not_success(smoke):
+    with open("/dev/full", "w") as full:
+        run = subprocess.run([PIPELINE, "show", str(smoke)], stdout=full, stderr=subprocess.PIPE, text=True)
+    assert run.returncode == FILE
+
+
+def test_more_than_this_machine_can_hold_is_refused_before_the_run(tmp_path):
+    run = pipeline("run", SMOKE, "-o", tmp_path / "x.h5", "--set", "steps=10000000", "--set", "scene.set.0.above=[60,60,60]")
+    assert run.returncode == INPUT and "memory" in one_line(run)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("content", [b"", b"not HDF5 at all", None])
+def test_show_refuses_what_is_not_a_result(tmp_path, smoke, content):
+    path = tmp_path / "x.h5"
+    path.write_bytes(smoke.read_bytes()[:5000] if content is None else content)
+    for command in ("show", "detect"):
+        run = pipeline(command, path)
+        assert run.returncode == FILE
+        assert str(path) in one_line(run)
+
+
+def test_show_refuses_foreign_and_newer_files(tmp_path, smoke):
+    foreign = tmp_path / "foreign.h5"
+    with h5py.File(foreign, "w") as file:
+        file["x"] = np.arange(3)
+    run = pipeline("show", foreign)
+    assert run.returncode == FILE
+    one_line(run)
+    newer = tmp_path / "newer.h5"
+    shutil.copy(smoke, newer)
+    with h5py.File(newer, "r+") as file:
+        file.attrs["schema_version"] = np.int64(10**6)
+    run = pipeline("show", newer)
+    assert run.returncode == FILE and "1000000" in one_line(run)
+    assert pipeline("show", tmp_path / "missing.h5").returncode == FILE
+
+
+# ---- a motion that fails ends as data
+
+
+def test_a_failed_integration_is_written_and_said(tmp_path):
+    path = tmp_path / "x.h5"
+    run = pipeline("run", SMOKE, "-o", path, "--set", "physics.step_budget=1")
+    assert run.returncode == FAILED
+    assert "failed at step" in run.stderr
+    with h5py.File(path) as file:
+        assert "failed at step" in file["physics"].attrs["status"]
+        moving = file["bodies/fixed"][:] == 0
+        position = file["motion/position"][:]
+        assert np.isnan(position[-1, moving]).all()
+        assert np.isfinite(position[:, ~moving]).all()
+        assert np.isfinite(position[0]).all()
+        assert file["truth/pair_offset"][-1] == file["truth/pair_offset"][-2]  # nothing can meet any more
+    assert pipeline("show", path).returncode == DONE
