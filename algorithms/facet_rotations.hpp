@@ -3,9 +3,10 @@
 // Source  Příbyl 2022, sections 3.1 and 4.1, "FaceT and new per triangle" (key U).
 // Cost    At worst m n intervals on 307 directions (angle_step 10) for m and n sampled triangles; one or two
 //         directions clear most pairs of bodies, and most triangles of the others.
-// Misses  Contact in the holes of the envelope, a body inside another, bodies with fewer than three sampled facets.
+// Misses  Contact in the holes of the envelope, most bodies inside another, bodies with fewer than 3 sampled facets.
 //         Its triangle test never denies triangles that truly meet.
-// Extra   Near misses between the directions of the grid, and as the envelope is inflated.
+// Extra   Near misses between the directions of the grid, and as the envelope is inflated; bodies inside another that
+//         one of its triangles, cutting across it, meets.
 #pragma once
 #include "algorithms/algorithm.hpp"
 
