@@ -33,7 +33,8 @@ struct PairRun {
   std::uint32_t a = 0, first = 0, last = 0;
 };
 
-/// The pairs that count at a step: both born, not both fixed, and one of them chosen. Sorted by a, then by b.
+/// The pairs that count at a step: both born (`poses` has one pose per body), not both fixed, and one of them chosen.
+/// Sorted by a, then by b; runs are as long as possible and never empty.
 std::vector<PairRun> pair_runs(const Bodies& bodies, std::span<const Pose> poses);
 
 /// How many pairs the runs hold.

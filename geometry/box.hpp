@@ -7,7 +7,7 @@
 
 namespace geometry {
 
-/// The closed box min <= p <= max, metres. A default box is empty and touches nothing.
+/// The closed box min <= p <= max, metres. A default box is empty and touches no finite box.
 struct Box {
   Vec3 min = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 max = Vec3::Constant(-std::numeric_limits<double>::infinity());
@@ -30,7 +30,7 @@ inline bool touch(const Box& a, const Box& b) {
          a.min.z() <= b.max.z() && b.min.z() <= a.max.z();
 }
 
-/// The smallest box around the points.
+/// The smallest box around the points. A coordinate that is NaN is left out.
 Box bounds(std::span<const Vec3> points);
 
 }  // namespace geometry

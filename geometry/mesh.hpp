@@ -33,14 +33,17 @@ Box local_box(const Mesh& mesh);
 /// Per axis the larger of |min| and |max| of the vertices: half a box centred on the body's position, metres.
 Vec3 half_extents(const Mesh& mesh);
 
-/// True when every edge belongs to exactly two facets, which run along it in opposite directions.
+/// True when every edge belongs to exactly two facets, which run along it in opposite directions. Edges are pairs of
+/// vertex indices: doubled vertices are not welded. False for a facet that names a vertex twice, and without facets.
 bool is_closed(const Mesh& mesh);
 
 /// The number of facets without area (exactly: their corners lie on one line).
 std::size_t degenerate_facets(const Mesh& mesh);
 
-/// Radius of the greatest ball about the local origin that holds no surface point, from the planes of the facets,
-/// rounded down. It is inside a closed convex mesh around its origin. Metres.
+/// Radius of a ball about the local origin that holds no surface point: the least distance of the origin behind the
+/// plane of a facet, rounded down by at most 1e-13 of it for facets of good shape, more for slivers, never up. 0 when
+/// the origin is in front of or on some plane, when a facet has no area, and without facets. Where it is positive, a
+/// closed mesh holds the ball inside; for a convex one no greater ball fits. Metres.
 double inscribed_radius(const Mesh& mesh);
 
 }  // namespace geometry

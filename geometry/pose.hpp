@@ -30,13 +30,17 @@ Pose unborn();
 /// False for a pose with a NaN in it. Such a body takes part in no pair.
 bool is_born(const Pose& pose);
 
-/// q at unit length; q itself, bit for bit, when its computed squared norm is within 1e-15 of 1.
+/// q at unit length; q itself, bit for bit, when its computed squared norm ((ww + xx) + yy) + zz is within 1e-15 of 1.
+/// Divides by the root of that norm; components whose squares would overflow or underflow are first divided by the
+/// largest. A result is within 7.8e-16 (measured: 80 million random q and a search for worse ones), so that a second
+/// time changes nothing. NaN for a zero q, or one with an infinity or NaN.
 Quaternion normalised(const Quaternion& q);
 
-/// The quaternion that turns by `angle` (radians) about the unit vector `axis`. Same bits on every machine.
+/// The quaternion that turns by `angle` (radians) about the unit vector `axis`. Same bits on every machine. Unit to
+/// rounding only: whoever makes a pose of it normalises it.
 Quaternion turn_about(const Vec3& axis, double angle);
 
-/// The product p q: first q, then p.
+/// The product p q: first q, then p. Not normalised.
 Quaternion operator*(const Quaternion& p, const Quaternion& q);
 
 /// R(q), from q as it stands (Eigen's toRotationMatrix gives the same bits).

@@ -305,7 +305,35 @@ TEST(DecisionOracle, GrazingWithinUlps) {
   EXPECT_GT(tally.meeting + tally.apart, 1500u);
 }
 
-// The same at 2^100 and 2^-100 times the size, and at sizes where products of coordinates under- or overflow.
+// Equal turned boxes one behind the other: the line of centres is the normal of the faces in contact, so that the slab
+// between the bodies has the thickness of its own rounding error. Without its error bound it separates what touches.
+TEST(DecisionOracle, FlushFacesOfTurnedBoxes) {
+  Random random;
+  Tally tally;
+  for (int i = 0; i < 400; ++i) {
+    const double scale = i % 4 == 3 ? 1e-320 : 1, far = i % 4 == 2 ? 1e6 : i % 4 == 1 ? 10 : 0;
+    Scene scene({box("box", scale * Vec3(1, 1, 1)), box("slab", scale * Vec3(1, 3, 3))});
+    const Quaternion turn = random.turn();
+    const Vec3 offset = scale * far * random.point(), axis = rotation(turn).col(0);
+    scene.add(0, {turn, offset}).add(i % 2, {turn, offset});
+    Decision decision(scene.bodies, scene.bvhs);
+    const auto place = [&](double distance) { scene.poses[1].t = offset + distance * axis; };
+    double meets = 0.9 * scale, apart = 1.1 * scale;
+    while (true) {
+      const double middle = meets + 0.5 * (apart - meets);
+      if (middle == meets || middle == apart) break;
+      place(middle);
+      (decision.meet(scene.poses, {0, 1}) ? meets : apart) = middle;
+    }
+    for (int k = 0; k < 4; ++k) meets = std::nextafter(meets, -DBL_MAX);
+    for (int k = 0; k < 9; ++k, meets = std::nextafter(meets, DBL_MAX)) {
+      place(meets);
+      expect_truth(scene, tally);
+    }
+  }
+}
+
+// At sizes where products of coordinates under- or overflow, and far away in units of the bodies.
 TEST(DecisionOracle, FarFromTheOriginAndOfManySizes) {
   Random random;
   Tally tally;

@@ -6,8 +6,11 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "geometry/exact.hpp"
 #include "geometry/meet.hpp"
