@@ -10,6 +10,8 @@ from analysis import scenes
 from analysis.load import load
 from analysis.statements import verdicts
 
+KINDS = ("box", "falling", "playground")
+
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m analysis", description=__doc__.splitlines()[0])
@@ -32,6 +34,8 @@ def opened(paths):
         try:
             run = load(path)
             kind = scenes.kind(run)
+            if kind not in KINDS:
+                raise ValueError(f"is of a {kind or 'study, not a'} scene; the statements are about {', '.join(KINDS)}")
             if kind in found:
                 raise ValueError(f"is a second file of a {kind} scene")
             found[kind] = scenes.playground(run) if kind == "playground" else scenes.timed(run)
@@ -52,7 +56,10 @@ def table(found):
 
 
 def shown(value):
-    return f"{value:.3g}" if isinstance(value, float) and abs(value) < 1000 else f"{value:.0f}" if isinstance(value, float) else str(value)
+    """A figure: three digits, whole numbers in full."""
+    if not isinstance(value, float):
+        return str(value)
+    return f"{value:.0f}" if 1000 <= abs(value) < 1e15 else f"{value:.3g}"
 
 
 if __name__ == "__main__":

@@ -124,8 +124,8 @@ class Run:
         """One row per pass and algorithm (P x A rows, pass by pass); None when the scene has no passes.
 
         Columns: number (of the pass), target (name of the body), path, offset, orientation (as in the file), algorithm
-        (categorical); truth_first, truth_last, first, last (m, NaN for never; signs as in the file), flicker,
-        reported (samples).
+        (categorical); truth_first, truth_last (m, NaN for never), first, last (m before the exact first and last
+        contact, negative after; NaN for never), flicker, reported (samples; `hits` in the file), and what else is there.
         """
         with h5py.File(self.path) as file:
             if "passes" not in file:
@@ -134,6 +134,8 @@ class Run:
             for name, data in file["passes"].items():
                 if not h5py.h5ds.is_scale(data.id):
                     columns[name] = (data.asstr() if data.dtype == object else data)[()]
+        if "hits" in columns:
+            columns["reported"] = columns.pop("hits")
         labels, bodies = self.meta["algorithms"], np.array(self.meta["bodies"], dtype=object)
         passes = len(columns["target"])
         if columns["target"].dtype.kind in "ui":

@@ -1,4 +1,5 @@
-"""What the statements ask of a run: the playground by pass and by sample, the box and falling scenes by step and in sum."""
+"""What the statements ask of a run: the playground by pass and by sample, the box and falling scenes by step and in
+sum."""
 
 import tomllib
 from dataclasses import dataclass
@@ -16,10 +17,10 @@ class Playground:
     """The hero's passes through the targets.
 
     passes: as Run.passes;
-    targets: per target kind ("box", "torus", ...), thin (a slab), turn ("none"; "quarter": the axes onto axes; "other") and
-        axes (0, 1 or 2: turned about several of x, y, z);
-    samples: per step target (the nearest), truth, contained (bool; contained None when not recorded), middle (the hero's centre
-        near the target's) and through (it sticks in a slab's middle, its long axis across the slab);
+    targets: per target kind ("box", "torus", ...), thin (a slab), turn ("none"; "quarter": the axes onto axes;
+        "other") and axes (0, 1 or 2: turned about several of x, y, z);
+    samples: per step target (the nearest), truth, contained (bool; contained None when not recorded), middle (the
+        hero's centre near the target's) and through (it sticks in a slab's middle, its long axis across the slab);
     reports: per step and label, whether that target is reported; false_negative: per label.
     """
 
@@ -36,7 +37,8 @@ class Playground:
 
 @dataclass(frozen=True)
 class Timed:
-    """A run with dynamics. summary, per_step: as in Run; bodies: per step, how many are there; host: where it was timed."""
+    """A run with dynamics. summary, per_step: as in Run; bodies: per step, how many are there; host: where it was
+    timed."""
 
     summary: pd.DataFrame
     per_step: pd.DataFrame

@@ -15,4 +15,6 @@ def test_thresholds_are_those_fixed_before_the_results():
 
 
 def test_lengths_are_in_order():
-    assert thresholds.BISECTION_M < thresholds.EXACT_M < thresholds.SAME_M < thresholds.SLIGHT_M < thresholds.TOO_EARLY_M
+    names = ("BISECTION_M", "EXACT_M", "SAME_M", "SLIGHT_M", "TOO_EARLY_M")
+    lengths = [getattr(thresholds, name) for name in names]
+    assert lengths == sorted(lengths)
