@@ -49,8 +49,9 @@ def table(found):
     """Number, verdict, figures and statement, one line each."""
     rows = [("no.", "verdict", "figures", "statement")]
     for verdict in found:
+        word, _, why = verdict.verdict.partition(": ")  # why: only of what is not testable
         figures = "; ".join(f"{name} {shown(value)}" for name, value in verdict.figures.items())
-        rows.append((f"{verdict.number} {verdict.variant}".strip(), verdict.verdict, figures, verdict.text))
+        rows.append((f"{verdict.number} {verdict.variant}".strip(), word, figures or why, verdict.text))
     widths = [max(len(row[column]) for row in rows) for column in range(3)]
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths + [0])).rstrip() for row in rows)
 

@@ -125,7 +125,7 @@ class Run:
 
         Columns: number (of the pass), target (name of the body), path, offset, orientation (as in the file), algorithm
         (categorical); truth_first, truth_last (m, NaN for never), first, last (m before the exact first and last
-        contact, negative after; NaN for never), flicker, reported (samples; `hits` in the file), and what else is there.
+        contact, negative after; NaN for never), flicker, reported (samples; `hits` in the file), and what else it has.
         """
         with h5py.File(self.path) as file:
             if "passes" not in file:

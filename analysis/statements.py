@@ -204,7 +204,7 @@ def share(flags):
 
 
 def never_late(play, label):
-    """(13) No false negative, every touching pass reported from its first to its last contact, and each visibly before."""
+    """(13) No false negative, every touching pass reported from first to last contact, and each visibly before it."""
     _, touching = passes(play, label)
     missed = int(play.false_negative[label])
     whole = (touching["first"] >= -t.BISECTION_M) & (touching["last"] <= t.BISECTION_M)

@@ -1,8 +1,8 @@
 """What the words of the thesis's statements mean, in numbers.
 
 Fixed before any result of the playground, box or falling scene was looked at, from the size of things alone: obstacles
-of 1 to 7 m, a hero 3 m long and 1.2 m thick (radius 0.6 m), facets of 0.2 to 0.5 m, judged in the thesis by a person who
-drives the hero with keys and watches it change colour, some 400 pixels of screen to an obstacle of 6 m, one pixel to
+of 1 to 7 m, a hero 3 m long and 1.2 m thick (radius 0.6 m), facets of 0.2 to 0.5 m, judged in the thesis by a person
+who drives the hero with keys and watches it change colour, some 400 pixels of screen to an obstacle of 6 m, 1 pixel to
 1.5 cm. A change of a number here is a change of what the report claims: tests pin them.
 """
 

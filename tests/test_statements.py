@@ -395,10 +395,10 @@ def test_the_command_prints_a_line_for_each_statement(playground_file):
     assert done.returncode == 0, done.stderr
     lines = {line.split()[0]: line for line in done.stdout.splitlines()}
     assert list(lines) == ["no."] + [str(number) for number in range(1, 30)]
-    assert "not testable: no file of a box scene was given" in lines["1"]
+    assert "  not testable  no file of a box scene was given  " in lines["1"]
     assert "refuted" in lines["13"] and "early 0;" in lines["13"]
     assert "confirmed" in lines["14"] and "touching 1; worst m 0;" in lines["14"]
-    assert "not testable: the file has no knot" in lines["15"]
+    assert "  not testable  the file has no knot  " in lines["15"]
     assert "confirmed" in lines["20"] and "reports inside 0 " in lines["20"]
     assert lines["29"].endswith("U answers practically as I does.") and "confirmed" in lines["29"]
 
