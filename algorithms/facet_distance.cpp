@@ -18,7 +18,7 @@
 //   S and |t| are below 1e100. Bodies that are not so, or whose R is no rotation, are searched exhaustively.
 #include "algorithms/facet_distance.hpp"
 
-#include <cmath>
+#include <algorithm>
 
 #include "algorithms/prefilter.hpp"
 #include "geometry/facets.hpp"
@@ -167,6 +167,7 @@ struct FacetDistance {
         limit(max_distance * max_distance),
         indexed(value_of<std::string>(knobs, "search") == "indexed"),
         mesh(bodies.mesh),
+        poses(bodies.size()),
         frame(bodies.size()),
         framed(bodies.size()),
         placed(bodies, local_points(bodies, knobs)) {
@@ -185,9 +186,9 @@ struct FacetDistance {
     return local;
   }
 
-  void prepare(std::span<const Pose> new_poses, double) {
-    placed.prepare(new_poses);
-    poses.assign(new_poses.begin(), new_poses.end());
+  void prepare(std::span<const Pose> now, double) {
+    placed.prepare(now);
+    std::copy(now.begin(), now.end(), poses.begin());
     std::fill(framed.begin(), framed.end(), std::uint8_t{0});
   }
 
