@@ -4,11 +4,15 @@
 //
 // Presets of the physics, chosen for spheres that fly and bounce:
 //   gravity, damping 0     nothing brakes a sphere between two bounces; no gravity force is made.
-//   dissipation 0.055 s/m  restitution near 0.8. Of Hunt-Crossley's law, (1 + 3/2 c v) times the elastic force, follows
-//                          exactly, whatever mass, radius and stiffness: with u = 3/2 c v,
+//   dissipation 0.06 s/m   restitution near 0.8. From Hunt-Crossley's law, (1 + 3/2 c v) times the elastic force,
+//                          follows exactly, whatever mass, radius and stiffness: with u = 3/2 c v,
 //                              u - ln(1 + u) = -e u - ln(1 - e u),      so e = 1 - c v for slow bounces,
-//                          where v is the speed of approach and e v that of parting.
+//                          where v is the speed of approach and e v that of parting. In configs/kostka.toml half of the
+//                          bounces are faster than 4.3 m/s, where e is 0.79; nine of ten are between 1 and 9.5 m/s,
+//                          where e falls from 0.94 to 0.64.
 //   friction 0.1 / 0.05    little: a bounce still turns spheres a little.
+//
+// A push adds to the velocity, as an impulse does: what flies fast against it is slowed down.
 #include <cmath>
 #include <cstdio>
 
@@ -82,7 +86,7 @@ void read(const Section& s, Config& config) {
   Physics& physics = config.physics;
   physics.gravity = {0, 0, 0};
   physics.linear_damping = physics.angular_damping = 0;
-  physics.material.dissipation = 0.055;
+  physics.material.dissipation = 0.06;
   physics.material.static_friction = 0.1;
   physics.material.dynamic_friction = 0.05;
 }
