@@ -216,17 +216,17 @@ TEST(BoxMotion, BirthsAreAtTheScheduledSteps) {
 }
 
 TEST(BoxMotion, NothingOverlapsAtBirth) {
-  for (const int seed : {1, 2, 3}) {
+  for (const int seed : {1, 2}) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    // Crowded: 60 spheres in a cube of 5 m, most of them in motion when the later ones are born.
-    const Config config = box({"seed=" + std::to_string(seed), "steps=62", "scene.half_width=2.5",
-                               "scene.births.count=60", "scene.births.every=1", "scene.push.from=10"});
+    // Crowded: 25 spheres in a cube of 4 m, most of them in motion when the later ones are born.
+    const Config config = box({"seed=" + std::to_string(seed), "steps=26", "scene.half_width=2",
+                               "scene.births.count=25", "scene.births.every=1", "scene.push.from=5"});
     const Motion motion = motion_of(config);
     ASSERT_EQ(motion.physics.status, "complete");
-    for (std::size_t s = 0; s < 60; ++s) {
+    for (std::size_t s = 0; s < 25; ++s) {
       const geometry::Pose& newborn = motion.poses[s][kPlates + s];
       ASSERT_TRUE(geometry::is_born(newborn));
-      EXPECT_LE(newborn.t.cwiseAbs().maxCoeff(), 2);
+      EXPECT_LE(newborn.t.cwiseAbs().maxCoeff(), 1.5);
       for (std::size_t other = kPlates; other < kPlates + s; ++other)
         EXPECT_GE((newborn.t - motion.poses[s][other].t).norm(), 1 - 1e-15) << "step " << s << " body " << other;
     }
@@ -274,19 +274,22 @@ TEST(BoxMotion, EnergyRisesOnlyByPushes) {
   for (std::size_t s = 1; s < motion.poses.size(); ++s) {
     const double before = motion.physics.rows[s - 1].energy, now = motion.physics.rows[s].energy;
     contacts += motion.physics.rows[s].contacts;
-    if (s % 50 != 0) EXPECT_LE(now, before * 1.001) << s;  // the accuracy of the integrator
+    if (s % 50 == 0) continue;
+    EXPECT_LE(now, before * 1.001) << s;  // the accuracy of the integrator
   }
   EXPECT_GT(contacts, 20);
   EXPECT_LT(motion.physics.rows[199].energy, 0.8 * motion.physics.rows[150].energy);
 }
 
 TEST(BoxMotion, NoSphereLeavesTheCube) {
-  const Motion motion = motion_of(box({"steps=300", "scene.half_width=2", "scene.births.count=15",
+  const Motion motion = motion_of(box({"steps=160", "scene.half_width=2", "scene.births.count=10",
                                        "scene.births.every=5", "scene.push.speed=10"}));
   ASSERT_EQ(motion.physics.status, "complete");
   for (const auto& poses : motion.poses)
-    for (std::size_t body = kPlates; body < poses.size(); ++body)
-      if (geometry::is_born(poses[body])) EXPECT_LT(poses[body].t.cwiseAbs().maxCoeff(), 2);
+    for (std::size_t body = kPlates; body < poses.size(); ++body) {
+      if (!geometry::is_born(poses[body])) continue;
+      EXPECT_LT(poses[body].t.cwiseAbs().maxCoeff(), 2);
+    }
 }
 
 // Plates as soft as foam: the sphere that is pushed into one goes through.
@@ -324,21 +327,21 @@ TEST(BoxMotion, IsAFunctionOfTheConfiguration) {
   EXPECT_NE(motion_of(box(other)).poses[0][kPlates].t, motion.poses[0][kPlates].t);
 }
 
-// Events at the last step of a chunk (49, 99), at the first (50, 100) and inside: a run that goes on from any chunk ends
-// with the same bits.
+// Births at steps 0, 20, ... 100 or 9, 29, 49, ... or 10, 30, 50, ..., pushes at 29, 39, 49, ... 99: at the last step of
+// a chunk, at the first and inside. A run that goes on from any chunk ends with the same bits.
 TEST(BoxMotion, ResumesFromAnyChunkWithTheSameBits) {
   for (const char* from : {"0", "9", "10"}) {
     SCOPED_TRACE(from);
-    const Config config = box({"steps=160", "scene.half_width=2", "scene.births.count=15", "scene.births.every=10",
-                               std::string("scene.births.from=") + from, "scene.push.from=39",
+    const Config config = box({"steps=110", "scene.half_width=1.5", "scene.births.count=6", "scene.births.every=20",
+                               std::string("scene.births.from=") + from, "scene.push.from=29",
                                "scene.push.every=10"});
     const TemporaryFolder folder;
     const std::filesystem::path part = folder / "x.part";
     const Motion whole = motion_of(config, part);
     ASSERT_EQ(whole.physics.status, "complete");
-    for (std::int64_t first = 0; first < 160; first += kChunkSteps) {
+    for (std::int64_t first = 0; first < 110; first += kChunkSteps) {
       // As after a kill: this chunk and all later ones are missing. Then, this one alone.
-      for (std::int64_t lost = first; lost < 160; lost += kChunkSteps)
+      for (std::int64_t lost = first; lost < 110; lost += kChunkSteps)
         ASSERT_TRUE(std::filesystem::remove(part / chunk_name("motion", lost)));
       expect_same_bits(whole, motion_of(config, part));
       ASSERT_TRUE(std::filesystem::remove(part / chunk_name("motion", first)));
@@ -348,10 +351,11 @@ TEST(BoxMotion, ResumesFromAnyChunkWithTheSameBits) {
 }
 
 TEST(BoxMotion, ABirthWithoutAPlaceIsTheUsersError) {
-  // 40 spheres fill 0.33 of a cube of 4 m: no packing forbids them, but placed at random they jam.
+  // 60 spheres would fill 0.49 of a cube of 4 m: a dense packing holds them, places at random do not.
   const Config config = box({"steps=100", "scene.half_width=2", "scene.births.count=60", "scene.births.every=1"});
   std::string first;
-  for (int i = 0; i < 2; ++i) try {
+  for (int i = 0; i < 2; ++i) {
+    try {
       motion_of(config);
       FAIL() << "60 spheres were placed";
     } catch (const Error& error) {
@@ -363,20 +367,24 @@ TEST(BoxMotion, ABirthWithoutAPlaceIsTheUsersError) {
       EXPECT_TRUE(first.empty() || first == what) << first << '\n' << what;
       first = what;
     }
+  }
 }
 
-TEST(BoxMotion, TimeAndCountsAddUpOverEvents) {
-  // Events at every step against none at all: a sphere alone at rest needs no more steps for it.
-  const std::vector<std::string> quiet = {"steps=30", "scene.births.count=1", "scene.push.speed=0"};
-  const Motion motion = motion_of(box({"steps=30", "scene.births.count=30", "scene.births.every=1"}));
+// With an event at every step no Simulation lives for longer than one: what it counted on the way to it must not be lost.
+TEST(BoxMotion, RowsCountTheStepsBeforeAnEventAndShowWhatHoldsAfterIt) {
+  const Config config = box({"steps=30", "scene.births.count=30", "scene.births.every=1", "scene.push.from=20"});
+  const double mass = config.scene_kind->make(config).rigid[kPlates].mass;
+  const Motion motion = motion_of(config);
+  EXPECT_EQ(motion.physics.rows[0].integrator_steps, 0);
   for (std::size_t s = 1; s < 30; ++s) {
     const PhysicsSample& row = motion.physics.rows[s];
     EXPECT_GT(row.integrator_steps, 0) << s;
     EXPECT_GT(row.force_evaluations, row.integrator_steps) << s;
     EXPECT_GT(row.time_ns, 0) << s;
-    EXPECT_EQ(row.contacts, 0) << s;
   }
-  EXPECT_EQ(motion_of(box(quiet)).physics.rows[0].integrator_steps, 0);
+  // The push at step 20 moves all 21 spheres, that born at step 20 too.
+  EXPECT_EQ(motion.physics.rows[19].kinetic_energy, 0);
+  EXPECT_NEAR(motion.physics.rows[20].kinetic_energy, 21 * mass / 2 * 25, 1e-6);
 }
 
 TEST(BoxMotion, TheTimeBudgetIsThatOfTheWholeMotion) {
