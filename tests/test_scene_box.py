@@ -62,14 +62,14 @@ def test_no_sphere_overlaps_another_at_birth_or_leaves(file):
     for sphere in range(12):
         step = 5 * sphere
         distance = np.linalg.norm(position[step] - position[step, sphere], axis=1)
-        assert (np.delete(distance, sphere)[: sphere] >= 1 - 1e-12).all()
+        assert (distance[:sphere] >= 1 - 1e-12).all()
         assert np.abs(position[step, sphere]).max() <= 4.5
     assert np.nanmax(np.abs(position)) < 5
 
 
 def test_spheres_rest_until_the_push_and_then_fly_apart(file):
     position = file["motion/position"][:, PLATES : PLATES + 11]
-    assert (position[50] == position[49])[:10].all()
+    assert np.abs(position[50] - position[45])[:10].max() < 1e-12
     speed = np.linalg.norm(position[51] - position[50], axis=1) * 60
     assert np.median(speed) == pytest.approx(5, rel=1e-6)
     ways = (position[51] - position[50]) * 60 / speed[:, None]
