@@ -32,6 +32,23 @@ struct FallingScene {
   std::vector<FallingSet> sets;            // the thesis's three when the configuration names none
 };
 
+/// kind = "box": spheres are born one by one in a closed cube and pushed again and again.
+struct BoxScene {
+  std::int64_t segments = 16;  // of the sphere's mesh
+  double radius = 0.5;         // m
+  double density = 1000;       // kg/m^3
+  double half_width = 5;       // of the room inside, m
+  double thickness = 1;        // of the six plates around it, m
+  struct {
+    std::int64_t count = 80, from = 0, every = 5;  // steps; every 0: all at once
+  } births;
+  struct {
+    std::int64_t from = 50, every = 50;                         // steps
+    double speed = 5;                                           // m/s, added to the velocity; 0: no pushes
+    std::vector<std::string> directions{"+x", "-x", "+z", "-z"};  // of each sphere's own frame, in turn
+  } push;
+};
+
 /// The physical radius of a contact sphere: the shape's, or that of the greatest ball inside its mesh.
 enum class ContactRadius { nominal, inscribed };
 
@@ -55,7 +72,7 @@ struct Config {
   std::int64_t steps = 600;  // samples, step 0 included
   double rate = 60;          // samples per second
   const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
-  std::variant<FallingScene> scene;       // of that kind
+  std::variant<FallingScene, BoxScene> scene;  // of that kind
   Physics physics;                        // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;

@@ -283,6 +283,20 @@ std::string Section::choice(std::string_view key, const std::string& preset,
   refuse(key, rule, meant.empty() ? "" : "did you mean '" + meant + "'?");
 }
 
+std::vector<std::string> Section::choices(std::string_view key, const std::vector<std::string>& preset,
+                                          const std::vector<std::string>& known) const {
+  if (!has(key)) return preset;
+  const toml::array* array = node(key)->as_array();
+  if (!array || array->empty()) refuse(key, "be an array of at least one text, each " + alternatives(known));
+  std::vector<std::string> out;
+  for (const toml::node& entry : *array) {
+    if (!entry.is_string() || std::ranges::find(known, entry.as_string()->get()) == known.end())
+      refuse_node(std::string(key) + '.' + std::to_string(out.size()), entry, "be " + alternatives(known));
+    out.push_back(entry.as_string()->get());
+  }
+  return out;
+}
+
 std::int64_t Section::integer_of(std::string_view key, const toml::node& node, std::int64_t least,
                                  std::int64_t most) const {
   const auto* value = node.as_integer();

@@ -85,6 +85,9 @@ class Section {
 
   std::string text(std::string_view key, const std::string& preset) const;
   std::string choice(std::string_view key, const std::string& preset, const std::vector<std::string>& known) const;
+  /// An array, not empty, of members of `known`.
+  std::vector<std::string> choices(std::string_view key, const std::vector<std::string>& preset,
+                                   const std::vector<std::string>& known) const;
   std::int64_t integer(std::string_view key, std::int64_t preset, std::int64_t least,
                        std::int64_t most = std::numeric_limits<std::int64_t>::max()) const;
   double real(std::string_view key, double preset, const Range& range) const;

@@ -1,6 +1,7 @@
 // The file's contents as README's "The file" lists them, group by group.
 #include "pipeline/layout.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <concepts>
@@ -149,6 +150,10 @@ Group bodies(const Result& result, const Sizes& n) {
   group.datasets.push_back(viewed("/bodies/fixed", std::span(all.fixed), {n.body}, "1", "1 when the body never moves"));
   group.datasets.push_back(viewed("/bodies/first_step", std::span(result.first_step), {n.body}, "1",
                                   "step at which the body is born; -1: never"));
+  std::vector<std::uint64_t> born;
+  for (const auto& poses : result.motion)
+    born.push_back(static_cast<std::uint64_t>(std::ranges::count_if(poses, geometry::is_born)));
+  group.datasets.push_back(owning("/bodies/born", born, {n.step}, "1", "bodies that are there, fixed ones included"));
   if (!all.chosen.empty())
     group.datasets.push_back(viewed("/bodies/chosen", std::span(all.chosen), {n.body}, "1",
                                     "only pairs with a body that has 1 here were asked about"));

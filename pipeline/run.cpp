@@ -87,7 +87,13 @@ Result run(const Config& config, const RunOptions& options) {
   {
     Progress progress("motion", steps, options.quiet);
     if (config.scene_kind->integrated) {
-      Motion motion = integrate(config, scene, part, progress);
+      Motion motion;
+      try {
+        motion = integrate(config, scene, part, progress);
+      } catch (const Error& error) {
+        if (error.code() == kInput) part.remove();  // no run of this configuration can ever finish
+        throw;
+      }
       result.motion = std::move(motion.poses);
       result.physics = std::move(motion.physics);
     } else {

@@ -19,7 +19,7 @@ struct Scene {
   geometry::Bodies bodies;
   // Integrated scenes:
   std::vector<RigidBody> rigid;   // B, what the integrator needs to know
-  std::vector<BodyState> states;  // B, at t = 0
+  std::vector<BodyState> states;  // B, at t = 0, before the events of step 0
   // Scripted scenes:
   std::vector<std::vector<geometry::Pose>> script;  // S x B
 };
@@ -40,14 +40,27 @@ struct SceneKind {
   void (*write)(const Config& config, TomlText& out);    // the same keys with their values
   SceneSize (*size)(const Config& config);
   Scene (*make)(const Config& config);
+
+  // Integrated scenes, where something happens besides integration:
+
+  /// Changes the states at a step: a birth makes a NaN state finite. Returns whether it changed any. A function of its
+  /// arguments alone, so that a resumed run has the same bits. Throws Error(kInput) for a birth that has no place.
+  bool (*events)(const Config& config, std::int64_t step, std::vector<BodyState>& states) = nullptr;
+  /// What no state of the scene may be, and is: one line naming the body. Empty: all is well. Asked at every step.
+  std::string (*breach)(const Config& config, const std::vector<BodyState>& states) = nullptr;
 };
 
 const std::vector<SceneKind>& scene_kinds();
 
 // The rows, each from its own file.
 SceneKind falling_kind();
+SceneKind box_kind();
 
-/// The pose of a state: its quaternion normalised by the rule of the truth.
+/// The state of a body that is not born yet: NaN throughout.
+BodyState unborn_state();
+bool is_born(const BodyState& state);
+
+/// The pose of a state: its quaternion normalised by the rule of the truth; geometry::unborn() of an unborn one.
 geometry::Pose pose_of(const BodyState& state);
 
 // Limits that the kinds share.

@@ -229,6 +229,12 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
   text += config.scene_kind->integrated ? config.physics.integrator + print(" at accuracy %g", config.physics.accuracy)
                                         : "scripted, no integrator is built and no /physics written";
   text += print(", %lld steps at %g per second\n", static_cast<long long>(config.steps), config.rate);
+  if (config.scene_kind->integrated) {
+    const Physics& p = config.physics;
+    const bool gravity = p.gravity != std::array<double, 3>{}, damping = p.linear_damping != 0 || p.angular_damping != 0;
+    text += std::string("            ") + (gravity ? "gravity" : "no gravity force is made") + ", " +
+            (damping ? "damping" : "no damping") + "\n";
+  }
   text += "truth       exact, by surface; containment is not asked for, so it is not computed\n";
   for (const AlgorithmChoice& choice : config.algorithms)
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
