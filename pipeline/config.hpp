@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "algorithms/algorithm.hpp"
+#include "pipeline/shape_keys.hpp"
 #include "pipeline/simulate.hpp"
 
 namespace pipeline {
@@ -49,6 +50,34 @@ struct BoxScene {
   } push;
 };
 
+/// One obstacle of the playground. Where it stands follows from all of them.
+struct PlaygroundObstacle {
+  std::string name;
+  Shape shape;
+  geometry::Quaternion orientation;
+};
+
+/// One straight path of the hero, taken through each of `targets`.
+struct PlaygroundPath {
+  enum class Hero { along, across, given };
+
+  std::string name;                  // of an axis: "x", "y" or "z"
+  std::vector<std::string> targets;  // names of obstacles
+  std::optional<int> axis;           // 0 to 2: parallel to it, from end to end of what bounding spheres reach, and 1 m
+  double offset = 0;                 // m, along the axis after `axis`
+  geometry::Vec3 from = geometry::Vec3::Zero(), to = geometry::Vec3::Zero();  // m, from the target; without an axis
+  Hero hero = Hero::along;           // its own y axis lies along `axis`, or along the second axis after it, or as given
+  geometry::Quaternion orientation;  // as given
+};
+
+/// kind = "playground": the hero passes through obstacles on straight paths.
+struct PlaygroundScene {
+  double step = 0.25;                         // m, at most, from sample to sample
+  Shape hero = CapsuleShape{3, 0.6, 0.6};     // the thesis's
+  std::vector<PlaygroundObstacle> obstacles;  // the thesis's eleven when the configuration names none
+  std::vector<PlaygroundPath> paths;          // the twelve when the configuration names none
+};
+
 /// The physical radius of a contact sphere: the shape's, or that of the greatest ball inside its mesh.
 enum class ContactRadius { nominal, inscribed };
 
@@ -72,7 +101,7 @@ struct Config {
   std::int64_t steps = 600;  // samples, step 0 included
   double rate = 60;          // samples per second
   const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
-  std::variant<FallingScene, BoxScene> scene;  // of that kind
+  std::variant<FallingScene, BoxScene, PlaygroundScene> scene;  // of that kind
   Physics physics;                        // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;

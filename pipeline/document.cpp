@@ -342,6 +342,27 @@ void Section::reals(std::string_view key, std::span<double> values, const Range&
     values[i] = real_of(std::string(key) + '.' + std::to_string(i), *array->get(i), range);
 }
 
+std::vector<std::pair<std::string, double>> Section::named_reals(std::string_view key,
+                                                                 const std::vector<std::string>& known,
+                                                                 const Range& range) const {
+  std::vector<std::pair<std::string, double>> out;
+  if (!has(key)) return out;
+  const std::string rule = "be an array of [" + alternatives(known) + ", number]";
+  const toml::array* array = node(key)->as_array();
+  if (!array) refuse(key, rule);
+  for (const toml::node& entry : *array) {
+    const std::string name = std::string(key) + '.' + std::to_string(out.size());
+    const toml::array* two = entry.as_array();
+    if (!two || two->size() != 2 || !two->get(0)->is_string()) 
+      refuse_node(name, entry, "be [" + alternatives(known) + ", number]");
+    const std::string& word = two->get(0)->as_string()->get();
+    if (std::ranges::find(known, word) == known.end())
+      refuse_node(name + ".0", *two->get(0), "be " + alternatives(known));
+    out.emplace_back(word, real_of(name + ".1", *two->get(1), range));
+  }
+  return out;
+}
+
 std::optional<Document::Scalar> Section::scalar(std::string_view key) const {
   const toml::node* node = this->node(key);
   if (!node) return std::nullopt;

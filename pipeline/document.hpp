@@ -94,6 +94,9 @@ class Section {
   /// Arrays of exactly so many; `values` are presets before and the answer after.
   void integers(std::string_view key, std::span<std::int64_t> values, std::int64_t least, std::int64_t most) const;
   void reals(std::string_view key, std::span<double> values, const Range& range) const;
+  /// An array of [member of `known`, number]; none when it is absent.
+  std::vector<std::pair<std::string, double>> named_reals(std::string_view key, const std::vector<std::string>& known,
+                                                          const Range& range) const;
   /// The value as it is; empty when it is absent, a date, an array or a table.
   std::optional<Document::Scalar> scalar(std::string_view key) const;
 

@@ -302,6 +302,37 @@ Group summary(const Result& result, const Sizes& n) {
   return group;
 }
 
+Group passes(const Passes& passes, const Sizes& n) {
+  const Dimension pass{"/passes/pass", passes.rows.size()};
+  Group group{"/passes", {}, {}};
+  auto& datasets = group.datasets;
+  datasets.push_back(bare_scale(pass, "straight passes of the hero through an obstacle"));
+  const auto name = [](const auto& column) { return std::string("/passes/") + column.name; };
+  for (const auto& column : kPassTexts) {
+    std::vector<std::string> values;
+    for (const PassRow& row : passes.rows) values.push_back(row.*column.member);
+    datasets.push_back(texts(name(column), std::move(values), {pass}, column.long_name));
+  }
+  const auto add_rows = [&]<typename T>(const Column<PassRow, T>& column) {
+    std::vector<T> values;
+    for (const PassRow& row : passes.rows) values.push_back(row.*column.member);
+    datasets.push_back(owning(name(column), values, {pass}, column.units, column.long_name));
+  };
+  const auto add_table = [&]<typename T>(const Column<PassAnswers, std::vector<T>>& column) {
+    const std::size_t algorithms = passes.answers.size();
+    std::vector<T> table(pass.size * algorithms);
+    for (std::size_t a = 0; a < algorithms; ++a)
+      for (std::size_t p = 0; p < pass.size; ++p) table[p * algorithms + a] = (passes.answers[a].*column.member)[p];
+    datasets.push_back(owning(name(column), table, {pass, n.algorithm}, column.units, column.long_name));
+  };
+  for (const auto& column : kPassCounts) add_rows(column);
+  for (const auto& column : kPassReals) add_rows(column);
+  if (passes.answers.empty()) return group;
+  for (const auto& column : kPassAnswerReals) add_table(column);
+  for (const auto& column : kPassAnswerCounts) add_table(column);
+  return group;
+}
+
 Group run(const Provenance& from) {
   return {"/run",
           {{"date", from.date}, {"host", from.host}, {"processor", from.processor}, {"wall_time_s", from.wall_time_s}},
@@ -346,6 +377,7 @@ std::vector<Group> layout(const Result& result) {
     for (const Answers& one : result.answers) groups.push_back(answers(one, n));
     groups.push_back(summary(result, n));
   }
+  if (result.passes) groups.push_back(passes(*result.passes, n));
   groups.push_back(run(result.provenance));
   return groups;
 }

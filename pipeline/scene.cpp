@@ -9,6 +9,7 @@ const std::vector<SceneKind>& scene_kinds() {
   static const std::vector<SceneKind> kinds = {
       falling_kind(),
       box_kind(),
+      playground_kind(),
   };
   return kinds;
 }

@@ -4,12 +4,14 @@
 // bodies.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/bodies.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/document.hpp"
+#include "pipeline/passes.hpp"
 #include "pipeline/simulate.hpp"
 #include "pipeline/words.hpp"
 
@@ -22,6 +24,7 @@ struct Scene {
   std::vector<BodyState> states;  // B, at t = 0, before the events of step 0
   // Scripted scenes:
   std::vector<std::vector<geometry::Pose>> script;  // S x B
+  std::vector<Pass> passes;                         // those that the script holds from end to end
 };
 
 /// How large a scene is, without making it.
@@ -29,6 +32,7 @@ struct SceneSize {
   std::uint64_t bodies = 0, meshes = 0;
   std::uint64_t mesh_vertices = 0, mesh_triangles = 0;  // of the distinct meshes
   std::uint64_t body_vertices = 0;                      // over all bodies
+  std::optional<std::uint64_t> pairs = {};              // asked about at a step; absent: all that the bodies make
 };
 
 /// One kind of scene, as data.
@@ -48,6 +52,8 @@ struct SceneKind {
   bool (*events)(const Config& config, std::int64_t step, std::vector<BodyState>& states) = nullptr;
   /// What no state of the scene may be, and is: one line naming the body. Empty: all is well. Asked at every step.
   std::string (*breach)(const Config& config, const std::vector<BodyState>& states) = nullptr;
+  // Of scripted scenes: how many steps the script has. A configuration may ask for fewer, not for more.
+  std::int64_t (*steps)(const Config& config) = nullptr;
 };
 
 const std::vector<SceneKind>& scene_kinds();
@@ -55,6 +61,7 @@ const std::vector<SceneKind>& scene_kinds();
 // The rows, each from its own file.
 SceneKind falling_kind();
 SceneKind box_kind();
+SceneKind playground_kind();
 
 /// The state of a body that is not born yet: NaN throughout.
 BodyState unborn_state();

@@ -446,6 +446,29 @@ std::vector<Summary> read_summary(const Reader& from, std::uint64_t algorithms) 
   return rows;
 }
 
+Passes read_passes(const Reader& from, std::uint64_t algorithms) {
+  Passes passes;
+  const auto path = [](const auto& column) { return std::string("/passes/") + column.name; };
+  passes.rows.resize(from.texts(path(kPassTexts[0]), {kAny}).size());
+  const std::uint64_t count = passes.rows.size();
+  const auto fill = [&](const auto& column, auto values) {
+    for (std::size_t p = 0; p < count; ++p) passes.rows[p].*column.member = std::move(values[p]);
+  };
+  for (const auto& column : kPassTexts) fill(column, from.texts(path(column), {count}));
+  for (const auto& column : kPassCounts) fill(column, from.values<std::uint64_t>(path(column), Type::u64, {count}));
+  for (const auto& column : kPassReals) fill(column, from.values<double>(path(column), Type::f64, {count}));
+  passes.answers.resize(algorithms);
+  const auto fill_table = [&]<typename T>(const Column<PassAnswers, std::vector<T>>& column, Type type) {
+    if (algorithms == 0) return;
+    const auto table = from.values<T>(path(column), type, {count, algorithms});
+    for (std::size_t a = 0; a < algorithms; ++a)
+      for (std::size_t p = 0; p < count; ++p) (passes.answers[a].*column.member).push_back(table[p * algorithms + a]);
+  };
+  for (const auto& column : kPassAnswerReals) fill_table(column, Type::f64);
+  for (const auto& column : kPassAnswerCounts) fill_table(column, Type::u64);
+  return passes;
+}
+
 Provenance read_provenance(const Reader& from) {
   const auto root = [&](const char* name) { return from.attribute<std::string>("/", name); };
   const auto run = [&](const char* name) { return from.attribute<std::string>("/run", name); };
@@ -483,6 +506,7 @@ Result read_all(const Reader& from) {
     result.answers = read_answers(from, steps, bodies);
     result.summary = read_summary(from, result.answers.size());
   }
+  if (from.has("/passes")) result.passes = read_passes(from, result.answers.size());
   result.provenance = read_provenance(from);
   result.digest = from.attribute<std::string>("/", "digest");
   return result;
