@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "algorithms/algorithm.hpp"
+#include "pipeline/result.hpp"
 #include "pipeline/simulate.hpp"
 
 namespace pipeline {
@@ -35,8 +36,6 @@ struct FallingScene {
 /// The physical radius of a contact sphere: the shape's, or that of the greatest ball inside its mesh.
 enum class ContactRadius { nominal, inscribed };
 
-enum class Containment { ignore };
-
 /// One [[algorithm]].
 struct AlgorithmChoice {
   std::string name;
@@ -52,8 +51,8 @@ struct Config {
   std::string effective;  // the whole configuration after defaults and --set, as TOML; reading it gives this Config
   std::string title;
   std::int64_t seed = 1;
-  std::int64_t steps = 600;  // samples, step 0 included
-  double rate = 60;          // samples per second
+  std::int64_t steps = 600;               // samples, step 0 included
+  double rate = 60;                       // samples per second
   const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
   std::variant<FallingScene> scene;       // of that kind
   Physics physics;                        // only when the scene is integrated
