@@ -46,7 +46,7 @@ void read_scene(const Section& root, Config& config) {
   if (!s.exists()) root.fail("missing table [scene]; write [scene] and below it kind = \"falling\"");
   std::vector<std::string> names;
   for (const SceneKind& kind : scene_kinds()) names.push_back(kind.name);
-  if (!s.has("kind")) s.fail("missing key 'scene.kind'; " + hint("", names));
+  if (!s.has("kind")) s.fail("missing key 'scene.kind'; write kind = \"falling\" or another of `pipeline list scenes`");
   const std::string name = s.choice("kind", "", names);
   config.scene_kind = std::ranges::find(scene_kinds(), name, &SceneKind::name).operator->();
   config.scene_kind->read(s, config);

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "pipeline/error.hpp"
+
 namespace pipeline {
 namespace {
 
@@ -20,6 +22,16 @@ struct Entry {
   const algorithms::Algorithm* row;
   std::unique_ptr<Method> method;
 };
+
+/// Knobs that are each allowed may still not fit these meshes, for instance a density that needs billions of facets.
+Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
+  const algorithms::Algorithm* row = algorithms::find(choice.name);
+  try {
+    return {row, row->make(bodies, choice.knobs)};
+  } catch (const std::invalid_argument& error) {
+    throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+  }
+}
 
 /// The columns of `answers` that a chunk holds, in the order they are written and read.
 template <class Visit>
@@ -149,10 +161,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     }
 
     if (entries.empty())
-      for (const AlgorithmChoice& choice : choices) {
-        const algorithms::Algorithm* row = algorithms::find(choice.name);
-        entries.push_back({row, row->make(bodies, choice.knobs)});
-      }
+      for (const AlgorithmChoice& choice : choices) entries.push_back(set_up(bodies, choice));
     for (std::int64_t step = first; step < last; ++step) {
       stop_if_wanted();
       const std::vector<PairRun> runs = geometry::pair_runs(bodies, poses[step]);

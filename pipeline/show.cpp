@@ -93,11 +93,11 @@ struct NamedText {
   const char* what;
 };
 constexpr NamedText kShapes[] = {
-    {"sphere", "radius, segments: segments + 2 rows of twice as many columns, pole axis y"},
+    {"sphere", "radius, segments (32): segments + 2 rows of twice as many columns, pole axis y"},
     {"box", "size [x, y, z]: 12 facets"},
-    {"capsule", "height, radius_bottom, radius_top, segments: axis y"},
-    {"torus", "diameter of the centre circle, thickness of the tube, segments: axis y"},
-    {"torus_knot", "radius, tube, radial_segments, tubular_segments, p, q"},
+    {"capsule", "height, radius (or radius_bottom and radius_top), segments (8): axis y"},
+    {"torus", "diameter of the centre circle, thickness of the tube, segments (16): axis y"},
+    {"torus_knot", "radius, tube, radial_segments (32), tubular_segments (32), p (2), q (3): axis z"},
 };
 
 std::vector<NamedText> named(const std::string& what) {
