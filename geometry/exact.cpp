@@ -81,7 +81,7 @@ Sides sides(const Normal& plane, const Vec3& origin, const Triangle& t) {
 }
 
 /// The certain side of s with respect to the plane through p, q, r; 0 when uncertain.
-int orientation(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
+int certain_side(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
   const Normal plane = normal(p, q, r);
   const Vec3 d = s - p;
   return sign(dot(plane.n, d), bound(plane, d.cwiseAbs()));
@@ -98,9 +98,9 @@ Answer intervals_meet(const Triangle& a, const Sides& a_sides, const Triangle& b
   const Vec3 *a1 = &a[(i + 1) % 3], *a2 = &a[(i + 2) % 3], *b1 = &b[(j + 1) % 3], *b2 = &b[(j + 2) % 3];
   if (a_sides.of[i] < 0) std::swap(b1, b2);
   if (b_sides.of[j] < 0) std::swap(a1, a2);
-  const int low = orientation(*a1, b0, a0, *b1);
+  const int low = certain_side(*a1, b0, a0, *b1);
   if (low > 0) return Answer::kApart;
-  const int high = orientation(a0, b0, *a2, *b2);
+  const int high = certain_side(a0, b0, *a2, *b2);
   if (high > 0) return Answer::kApart;
   return low < 0 && high < 0 ? Answer::kMeet : Answer::kUncertain;
 }
@@ -127,6 +127,11 @@ std::variant<Kernel::Triangle_3, Segment, Point> simplex(const Triangle& t, cons
 }  // namespace
 
 bool is_degenerate(const Triangle& t) { return !certainly_proper(normal(t[0], t[1], t[2])) && collinear(t); }
+
+int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const int certain = certain_side(a, b, c, d);
+  return certain != 0 ? certain : static_cast<int>(CGAL::orientation(point(a), point(b), point(c), point(d)));
+}
 
 bool triangles_meet(const Triangle& a, const Triangle& b) {
   // All corners certainly on one side of a plane means apart, whether or not the other triangle is degenerate.

@@ -15,6 +15,10 @@ using Triangle = std::array<Vec3, 3>;
 /// True when the corners lie exactly on one line (or in one point).
 bool is_degenerate(const Triangle& t);
 
+/// The side of the plane through a, b and c on which d is: the sign of ((b - a) x (c - a)) . (d - a), exactly. 0 when
+/// the four lie in one plane. Coordinates are finite.
+int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
 /// True when the closed triangles share a point. Coordinates are finite.
 bool triangles_meet(const Triangle& a, const Triangle& b);
 

@@ -234,13 +234,16 @@ int sweep_axis(std::span<const Swept> all) {
 
 }  // namespace
 
-Decision::Decision(const Bodies& bodies, std::span<const Bvh> bvhs)
-    : bodies_(bodies), bvhs_(bvhs), slot_(bodies.size(), kNone) {
+Decision::Decision(const Bodies& bodies, std::span<const Bvh> bvhs, std::span<const Solid> solids)
+    : bodies_(bodies), bvhs_(bvhs), solids_(solids), slot_(bodies.size(), kNone) {
   assert(bvhs.size() == bodies.meshes.size() && "one hierarchy per distinct mesh");
 }
 
-std::vector<Pair> Decision::hits(std::span<const Pose> poses, std::span<const PairRun> runs) {
+std::vector<Pair> Decision::hits(std::span<const Pose> poses, std::span<const PairRun> runs,
+                                 std::vector<Pair>* contained) {
   assert(poses.size() == bodies_.size() && "one pose per body");
+  assert((!contained || solids_.size() == bodies_.meshes.size()) && "containment needs a solid per distinct mesh");
+  if (contained) contained->clear();
   const PairSet pairs(runs, bodies_.size());
   std::vector<Swept> sweep;
   for (const std::uint32_t body : pairs.members()) sweep.push_back({world_box(poses, body), body});
@@ -266,12 +269,16 @@ std::vector<Pair> Decision::hits(std::span<const Pose> poses, std::span<const Pa
       if (!pairs.contains(pair)) continue;
       const Placed& a = place(poses, pair.a);
       const Placed& b = place(poses, pair.b);
-      if (meet_placed(pair.a, a, pair.b, b)) out.push_back(pair);
+      if (meet_placed(pair.a, a, pair.b, b))
+        out.push_back(pair);
+      else if (contained && (is_contained(pair.a, a, pair.b, b) || is_contained(pair.b, b, pair.a, a)))
+        contained->push_back(pair);
     }
     active.push_back(next);
   }
   for (const Swept& other : active) release(other.body);
   std::ranges::sort(out);
+  if (contained) std::ranges::sort(*contained);
   return out;
 }
 
@@ -337,6 +344,17 @@ bool Decision::meet_placed(std::uint32_t a, const Placed& a_placed, std::uint32_
     if (const auto answer = caps_meet(s, t, slab, stack_, a_cap_, b_cap_)) return *answer;
   }
   return descend(s, t, stack_);
+}
+
+/// Whether a lies inside b; their surfaces share no point.
+bool Decision::is_contained(std::uint32_t a, const Placed& a_placed, std::uint32_t b, const Placed& b_placed) const {
+  const Box &inner = a_placed.boxes[0], &outer = b_placed.boxes[0];
+  if ((inner.min.array() < outer.min.array()).any() || (inner.max.array() > outer.max.array()).any()) return false;
+  const std::vector<std::uint32_t>& components = solids_[bodies_.mesh[a]].components;
+  return std::ranges::all_of(components, [&](std::uint32_t vertex) {
+    return is_inside(a_placed.world[vertex], bodies_.mesh_of(b), bvhs_[bodies_.mesh[b]], b_placed.world,
+                     b_placed.boxes);
+  });
 }
 
 std::vector<Bvh> build_bvhs(const Bodies& bodies) {

@@ -12,6 +12,7 @@
 
 #include "geometry/bodies.hpp"
 #include "geometry/bvh.hpp"
+#include "geometry/contain.hpp"
 #include "geometry/exact.hpp"
 
 namespace geometry {
@@ -29,11 +30,15 @@ using NodePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 /// asked before.
 class Decision {
  public:
-  /// `bodies` and `bvhs` (one per distinct mesh) must outlive this object.
-  Decision(const Bodies& bodies, std::span<const Bvh> bvhs);
+  /// `bodies`, `bvhs` and `solids` (one per distinct mesh) must outlive this object. `solids` are needed for
+  /// containment only.
+  Decision(const Bodies& bodies, std::span<const Bvh> bvhs, std::span<const Solid> solids = {});
 
   /// The pairs among `runs` that meet, sorted. `poses` has one pose per body; those of bodies in no run are not read.
-  std::vector<Pair> hits(std::span<const Pose> poses, std::span<const PairRun> runs);
+  /// When `contained` is given it becomes the sorted pairs of which one body is contained in the other
+  /// (geometry/contain.hpp): none of them meets. All meshes must then be closed.
+  std::vector<Pair> hits(std::span<const Pose> poses, std::span<const PairRun> runs,
+                         std::vector<Pair>* contained = nullptr);
 
   /// The same for one pair alone.
   bool meet(std::span<const Pose> poses, Pair pair);
@@ -51,9 +56,11 @@ class Decision {
   void release(std::uint32_t body);
   Box world_box(std::span<const Pose> poses, std::uint32_t body);
   bool meet_placed(std::uint32_t a, const Placed& a_placed, std::uint32_t b, const Placed& b_placed);
+  bool is_contained(std::uint32_t a, const Placed& a_placed, std::uint32_t b, const Placed& b_placed) const;
 
   const Bodies& bodies_;
   std::span<const Bvh> bvhs_;
+  std::span<const Solid> solids_;
   std::deque<Placed> placed_;        // references stay valid while it grows
   std::vector<std::uint32_t> free_;  // indices into placed_
   std::vector<std::uint32_t> slot_;  // #bodies, index into placed_ or kNone

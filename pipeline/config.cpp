@@ -13,6 +13,7 @@
 #include "pipeline/document.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/scene.hpp"
+#include "pipeline/truth.hpp"
 #include "pipeline/words.hpp"
 
 namespace pipeline {
@@ -84,9 +85,7 @@ void read_physics(const Section& s, Config& config) {
 
 Containment containment(const Section& s) {
   s.only({"containment"});
-  if (s.choice("containment", "ignore", {"ignore", "record", "meet"}) != "ignore")
-    s.refuse("containment", "be \"ignore\"", "this version does not look for bodies inside others");
-  return Containment::ignore;
+  return *containment_of(s.choice("containment", "ignore", {"ignore", "record", "meet"}));
 }
 
 // ---- Algorithms --------------------------------------------------------------------------------------------------
@@ -187,7 +186,7 @@ std::string effective(const Config& c) {
   }
 
   out.table("[truth]");
-  out.line("containment", std::string("ignore"));
+  out.line("containment", std::string(text_of(c.containment)));
   out.table("[timing]");
   out.line("repeats", c.repeats);
   for (const AlgorithmChoice& a : c.algorithms) {

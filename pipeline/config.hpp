@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "algorithms/algorithm.hpp"
+#include "pipeline/result.hpp"
 #include "pipeline/shape_keys.hpp"
 #include "pipeline/simulate.hpp"
 
@@ -81,8 +82,6 @@ struct PlaygroundScene {
 /// The physical radius of a contact sphere: the shape's, or that of the greatest ball inside its mesh.
 enum class ContactRadius { nominal, inscribed };
 
-enum class Containment { ignore };
-
 /// One [[algorithm]].
 struct AlgorithmChoice {
   std::string name;
@@ -98,8 +97,8 @@ struct Config {
   std::string effective;  // the whole configuration after defaults and --set, as TOML; reading it gives this Config
   std::string title;
   std::int64_t seed = 1;
-  std::int64_t steps = 600;  // samples, step 0 included
-  double rate = 60;          // samples per second
+  std::int64_t steps = 600;               // samples, step 0 included
+  double rate = 60;                       // samples per second
   const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
   std::variant<FallingScene, BoxScene, PlaygroundScene> scene;  // of that kind
   Physics physics;                        // only when the scene is integrated

@@ -34,7 +34,7 @@ Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
 
 /// The columns of `answers` that a chunk holds, in the order they are written and read.
 template <class Visit>
-void for_each_column(Answers& answers, Visit visit) {
+void for_each_column(Answers& answers, bool counts_contained, Visit visit) {
   visit(answers.time_ns);
   visit(answers.time_median_ns);
   visit(answers.prepare_ns);
@@ -43,6 +43,7 @@ void for_each_column(Answers& answers, Visit visit) {
   visit(answers.false_positive);
   visit(answers.false_negative);
   visit(answers.rounding_miss);
+  if (counts_contained) visit(answers.contained_hit);
 }
 
 std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these) {
@@ -77,8 +78,8 @@ Timing timed_pass(Method& method, std::span<const Pose> poses, std::span<const P
   return {nanoseconds(answered - start).count(), nanoseconds(prepared - start).count()};
 }
 
-void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const PairRun> runs, std::span<const Pair> truth,
-                 std::int64_t repeats, std::vector<Pair>& timed_hits, Answers& out) {
+void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const PairRun> runs, const Truth& all_truth,
+                 std::size_t step, std::int64_t repeats, std::vector<Pair>& timed_hits, Answers& out) {
   Method& method = *entry.method;
   std::vector<Pair> hits;
   method.prepare(poses);
@@ -99,9 +100,16 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
                                                   : (timings[middle - 1].total_ns + timings[middle].total_ns) / 2);
 
   std::sort(hits.begin(), hits.end());  // a sweep reports in its own order
+  const std::vector<Pair> truth = all_truth.scoring(step);
   const std::vector<Pair> missed = without(truth, hits);
+  std::vector<Pair> invented = without(hits, truth);
+  if (all_truth.containment == Containment::record) {
+    const std::size_t reported = invented.size();
+    invented = without(invented, all_truth.contained.at(step));
+    out.contained_hit.push_back(reported - invented.size());
+  }
   out.true_positive.push_back(truth.size() - missed.size());
-  out.false_positive.push_back(hits.size() - (truth.size() - missed.size()));
+  out.false_positive.push_back(invented.size());
   out.false_negative.push_back(missed.size());
   out.rounding_miss.push_back(
       entry.row->promise == algorithms::Promise::conservative ? rounding_misses(method, poses, missed) : 0);
@@ -132,6 +140,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     all.push_back(std::move(answers));
   }
 
+  const bool counts_contained = truth.containment == Containment::record;
   std::vector<Entry> entries;  // made when the first chunk needs them
   std::vector<Pair> timed_hits;
   const std::int64_t steps = std::int64_t(poses.size());
@@ -145,7 +154,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
         hits.offset = in.get<std::uint64_t>();
         hits.pair = in.get<Pair>();
         for (std::size_t s = 0; s < hits.steps(); ++s) answers.hits.append(hits.at(s));
-        for_each_column(answers, [&]<class T>(std::vector<T>& column) {
+        for_each_column(answers, counts_contained, [&]<class T>(std::vector<T>& column) {
           const std::vector<T> rows = in.get<T>();
           column.insert(column.end(), rows.begin(), rows.end());
         });
@@ -161,7 +170,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
       const std::vector<PairRun> runs = geometry::pair_runs(bodies, poses[step]);
       for (std::size_t i = 0; i < entries.size(); ++i) {
         const std::size_t a = step % 2 ? entries.size() - 1 - i : i;
-        answer_step(entries[a], poses[step], runs, truth.hits.at(step), repeats, timed_hits, all[a]);
+        answer_step(entries[a], poses[step], runs, truth, std::size_t(step), repeats, timed_hits, all[a]);
       }
       progress.add(1);
     }
@@ -172,7 +181,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
         for (std::int64_t step = first; step < last; ++step) hits.append(answers.hits.at(step));
         out.put(hits.offset);
         out.put(hits.pair);
-        for_each_column(answers, [&]<class T>(std::vector<T>& column) {
+        for_each_column(answers, counts_contained, [&]<class T>(std::vector<T>& column) {
           out.put(std::vector<T>(column.begin() + first, column.begin() + last));
         });
       }

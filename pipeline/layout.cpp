@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pipeline/store.hpp"
+#include "pipeline/truth.hpp"
 
 namespace pipeline {
 namespace {
@@ -222,12 +223,15 @@ Group physics(const PhysicsRows& physics, const Sizes& n) {
 }
 
 /// The datasets of lists of pairs, with the scale of the ragged dimension.
-void add_pairs(Group& group, const PairLists& hits, const std::string& what, const Sizes& n) {
-  const Dimension entry{group.path + "/entry", hits.pair.size()};
+void add_pairs(Group& group, const PairLists& hits, const std::string& what, const Sizes& n,
+               const std::string& prefix = "") {
+  const Dimension entry{group.path + "/" + prefix + "entry", hits.pair.size()};
   group.datasets.push_back(bare_scale(entry, "pairs of all steps, one step after another", true));
-  group.datasets.push_back(viewed(group.path + "/pair_offset", std::span(hits.offset), {n.boundary}, "1",
-                                  "the pairs of step s are entries pair_offset[s] to pair_offset[s + 1] - 1"));
-  group.datasets.push_back(viewed(group.path + "/pair", std::span(hits.pair), {entry, n.side}, "1", what, Type::u32));
+  group.datasets.push_back(
+      viewed(group.path + "/" + prefix + "pair_offset", std::span(hits.offset), {n.boundary}, "1",
+             "the pairs of step s are entries " + prefix + "pair_offset[s] to " + prefix + "pair_offset[s + 1] - 1"));
+  group.datasets.push_back(
+      viewed(group.path + "/" + prefix + "pair", std::span(hits.pair), {entry, n.side}, "1", what, Type::u32));
 }
 
 std::vector<std::uint64_t> counts(const PairLists& hits) {
@@ -238,11 +242,18 @@ std::vector<std::uint64_t> counts(const PairLists& hits) {
 
 Group truth(const Truth& truth, const Sizes& n) {
   Group group{"/truth", {}, {}, true};
+  std::vector<std::uint64_t> scoring = counts(truth.hits);
+  if (truth.containment == Containment::meet)
+    for (std::size_t s = 0; s < scoring.size(); ++s) scoring[s] += truth.contained.at(s).size();
   group.datasets.push_back(
-      owning("/truth/hits", counts(truth.hits), {n.step}, "1", "pairs that meet, by which answers are scored"));
+      owning("/truth/hits", scoring, {n.step}, "1", "pairs that meet, by which answers are scored"));
   group.datasets.push_back(
       viewed("/truth/time_ns", std::span(truth.time_ns), {n.step}, "ns", "time of the exact answer"));
   add_pairs(group, truth.hits, "pairs of bodies whose surfaces meet", n);
+  if (truth.lists_contained()) {
+    group.attributes.push_back({"containment", std::string(text_of(truth.containment))});
+    add_pairs(group, truth.contained, "pairs of bodies of which one lies wholly inside the other", n, "contained_");
+  }
   return group;
 }
 
@@ -265,6 +276,10 @@ Group results(const Result& result, const Sizes& n) {
   for (const auto& c : kResultCounts)
     add(
         c.name, c.units, c.long_name, std::uint64_t{}, [&](const Answers& a) -> const auto& { return a.*c.member; });
+  if (result.truth.containment == Containment::record)
+    add(
+        kContainedHit, "1", kContainedHitWhat, std::uint64_t{},
+        [](const Answers& a) -> const auto& { return a.contained_hit; });
   return group;
 }
 
@@ -299,6 +314,12 @@ Group summary(const Result& result, const Sizes& n) {
   for (const auto& column : kSummaryReals) add(column, double{});
   add(Column<Summary, bool>{"promise_kept", &Summary::promise_kept, "1", "0 when a promise was broken"},
       std::uint8_t{});
+  if (result.truth.containment == Containment::record) {
+    std::vector<std::uint64_t> values;
+    for (const Summary& row : result.summary) values.push_back(row.contained_hit.value_or(0));
+    group.datasets.push_back(
+        owning(std::string("/summary/") + kContainedHit, values, {n.algorithm}, "1", kContainedHitWhat));
+  }
   return group;
 }
 

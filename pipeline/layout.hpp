@@ -84,11 +84,17 @@ inline constexpr Column<Answers, std::vector<std::int64_t>> kResultTimes[] = {
     {"prepare_ns", &Answers::prepare_ns, "ns", "preparation of the bodies in the fastest repeat"}};
 inline constexpr Column<Answers, std::vector<std::uint64_t>> kResultCounts[] = {
     {"true_positive", &Answers::true_positive, "1", "pairs reported that truly meet"},
-    {"false_positive", &Answers::false_positive, "1", "pairs reported that do not meet"},
+    {"false_positive", &Answers::false_positive, "1",
+     "pairs reported that do not meet; contained_hit is counted apart"},
     {"false_negative", &Answers::false_negative, "1", "pairs that meet and were not reported"},
     {"rounding_miss", &Answers::rounding_miss, "1",
      "misses of a conservative method that vanish when enlarged by 2^-40"},
     {"operations", &Answers::operations, "1", "elementary tests made; what is counted: operations_unit of /answers"}};
+
+// A column of /results and of /summary, there only with Containment::record.
+inline constexpr char kContainedHit[] = "contained_hit";
+inline constexpr char kContainedHitWhat[] =
+    "pairs reported whose surfaces do not meet, one body being inside the other";
 
 inline constexpr Column<PhysicsSample, double> kPhysicsReals[] = {
     {"energy", &PhysicsSample::energy, "J", "kinetic, gravity and elastic energy; gravity counted from y = 0"},
@@ -106,7 +112,8 @@ inline constexpr Column<PhysicsSample, std::int64_t> kPhysicsTimes[] = {
 inline constexpr Column<Summary, std::uint64_t> kSummaryCounts[] = {
     {"hits", &Summary::hits, "1", "pairs reported, over all steps"},
     {"true_positive", &Summary::true_positive, "1", "pairs reported that truly meet"},
-    {"false_positive", &Summary::false_positive, "1", "pairs reported that do not meet"},
+    {"false_positive", &Summary::false_positive, "1",
+     "pairs reported that do not meet; contained_hit is counted apart"},
     {"false_negative", &Summary::false_negative, "1", "pairs that meet and were not reported"},
     {"operations", &Summary::operations, "1", "elementary tests made; what is counted: operations_unit of /answers"}};
 inline constexpr Column<Summary, double> kSummaryReals[] = {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,10 @@ struct PairLists {
   }
 };
 
+/// What becomes of pairs of which one body lies wholly inside the other: not looked for, listed and counted apart, or
+/// counted as meeting.
+enum class Containment { ignore, record, meet };
+
 /// The machine and build that timed something.
 struct Machine {
   std::string host, processor, build, date;
@@ -41,19 +46,28 @@ struct Answers {
   // columns, S
   std::vector<std::int64_t> time_ns, time_median_ns, prepare_ns;
   std::vector<std::uint64_t> operations, true_positive, false_positive, false_negative, rounding_miss;
+  std::vector<std::uint64_t> contained_hit;  // S with Containment::record, else empty
 };
 
-/// One row of /summary. A ratio 0/0 is NaN, but the error is then 0.
+/// One row of /summary. A ratio 0/0 is NaN, but the error is then 0. hits = true_positive + false_positive +
+/// contained_hit.
 struct Summary {
   std::uint64_t hits = 0, true_positive = 0, false_positive = 0, false_negative = 0, operations = 0;
   double error = 0, precision = 0, recall = 0, matthews = 0;
   double time_mean_ns = 0, time_median_ns = 0, time_p95_ns = 0;
   bool promise_kept = true;
+  std::optional<std::uint64_t> contained_hit;  // with Containment::record
 };
 
 struct Truth {
-  PairLists hits;
+  PairLists hits;                     // by surface
   std::vector<std::int64_t> time_ns;  // S
+  Containment containment = Containment::ignore;
+  PairLists contained;  // disjoint from hits; without steps when ignored
+
+  bool lists_contained() const { return containment != Containment::ignore; }
+  /// The pairs by which the answers of a step are scored: sorted.
+  std::vector<Pair> scoring(std::size_t step) const;
 };
 
 /// One straight pass of a scripted scene: a row of /passes. Positions are metres from the start of its path.
@@ -87,9 +101,9 @@ struct PhysicsRows {
 /// Where a result comes from; attributes of the root and of /run.
 struct Provenance {
   std::string creator, git_commit, build_type, compiler, flags;
-  std::string library_versions;  // JSON object
-  std::string config_sha256;     // of the configuration's text
-  std::string inputs_sha256;     // JSON object: file -> SHA-256, every mesh and CSV read
+  std::string library_versions;       // JSON object
+  std::string config_sha256;          // of the configuration's text
+  std::string inputs_sha256;          // JSON object: file -> SHA-256, every mesh and CSV read
   std::string date, host, processor;  // of the run
   double wall_time_s = 0;
 };
@@ -99,9 +113,9 @@ struct Result {
   std::string config_text, config_effective;
   double rate = 60;  // samples per second; time = step / rate
   geometry::Bodies bodies;
-  std::vector<std::int64_t> first_step;         // B; -1 if never born
+  std::vector<std::int64_t> first_step;             // B; -1 if never born
   std::vector<std::vector<geometry::Pose>> motion;  // S x B
-  std::optional<PhysicsRows> physics;           // only when integrated
+  std::optional<PhysicsRows> physics;               // only when integrated
   Truth truth;
   std::vector<Answers> answers;   // A
   std::vector<Summary> summary;   // A

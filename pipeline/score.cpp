@@ -23,17 +23,19 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   row.true_positive = total(answers.true_positive);
   row.false_positive = total(answers.false_positive);
   row.false_negative = total(answers.false_negative);
-  row.hits = row.true_positive + row.false_positive;
+  if (!answers.contained_hit.empty()) row.contained_hit = total(answers.contained_hit);
+  const std::uint64_t contained = row.contained_hit.value_or(0);
+  row.hits = row.true_positive + row.false_positive + contained;
   row.operations = total(answers.operations);
 
   const double tp = double(row.true_positive), fp = double(row.false_positive), fn = double(row.false_negative);
-  const double tn = double(pairs - row.true_positive - row.false_positive - row.false_negative);
+  const double tn = double(pairs - row.true_positive - row.false_positive - row.false_negative - contained);
   row.error = tp + fp + fn == 0 ? 0 : (fp + fn) / (tp + fp + fn);
   row.precision = ratio(tp, tp + fp);
   row.recall = ratio(tp, tp + fn);
   // The product of four counts overflows integers, not doubles; its root factor by factor keeps small cases exact.
-  row.matthews = ratio(tp * tn - fp * fn,
-                       std::sqrt(tp + fp) * std::sqrt(tp + fn) * std::sqrt(tn + fp) * std::sqrt(tn + fn));
+  row.matthews =
+      ratio(tp * tn - fp * fn, std::sqrt(tp + fp) * std::sqrt(tp + fn) * std::sqrt(tn + fp) * std::sqrt(tn + fn));
 
   std::vector<std::int64_t> times = answers.time_ns;
   std::sort(times.begin(), times.end());

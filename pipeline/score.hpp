@@ -5,7 +5,8 @@
 namespace pipeline {
 
 /// The summary of one algorithm over all pairs and steps. `pairs` is the number of born pairs over all steps: what is
-/// neither reported nor true among them is a true negative.
+/// neither reported nor true among them is a true negative. Reported pairs that are contained and only recorded are
+/// neither false positives nor true negatives.
 ///
 ///     error = (FP + FN) / (TP + FP + FN)      0 when the denominator is 0
 ///

@@ -19,6 +19,7 @@
 #include "pipeline/error.hpp"
 #include "pipeline/h5.hpp"
 #include "pipeline/layout.hpp"
+#include "pipeline/truth.hpp"
 
 namespace pipeline {
 namespace {
@@ -297,10 +298,11 @@ class Reader {
   }
 
   /// Lists of pairs of a group; sorted within a step, a < b < bodies.
-  PairLists pairs(const std::string& group, std::uint64_t steps, std::uint64_t bodies) const {
+  PairLists pairs(const std::string& group, std::uint64_t steps, std::uint64_t bodies,
+                  const std::string& prefix = "") const {
     PairLists out;
-    out.offset = values<std::uint64_t>(group + "/pair_offset", Type::u64, {steps + 1});
-    out.pair = values<Pair>(group + "/pair", Type::u32, {kAny, 2});
+    out.offset = values<std::uint64_t>(group + "/" + prefix + "pair_offset", Type::u64, {steps + 1});
+    out.pair = values<Pair>(group + "/" + prefix + "pair", Type::u32, {kAny, 2});
     bool sound = out.offset.front() == 0 && out.offset.back() == out.pair.size() &&
                  std::ranges::is_sorted(out.offset) &&
                  std::ranges::all_of(out.pair, [&](const Pair& pair) { return pair.a < pair.b && pair.b < bodies; });
@@ -469,6 +471,17 @@ Passes read_passes(const Reader& from, std::uint64_t algorithms) {
   return passes;
 }
 
+void read_contained_hits(const Reader& from, std::uint64_t steps, Result& result) {
+  const std::size_t count = result.answers.size();
+  const std::string column = std::string("/") + kContainedHit;
+  const auto table = from.values<std::uint64_t>("/results" + column, Type::u64, {steps, count});
+  const auto totals = from.values<std::uint64_t>("/summary" + column, Type::u64, {count});
+  for (std::size_t a = 0; a < count; ++a) {
+    for (std::size_t s = 0; s < steps; ++s) result.answers[a].contained_hit.push_back(table[s * count + a]);
+    result.summary[a].contained_hit = totals[a];
+  }
+}
+
 Provenance read_provenance(const Reader& from) {
   const auto root = [&](const char* name) { return from.attribute<std::string>("/", name); };
   const auto run = [&](const char* name) { return from.attribute<std::string>("/run", name); };
@@ -501,10 +514,17 @@ Result read_all(const Reader& from) {
   result.motion = read_motion(from, steps, bodies);
   if (from.has("/physics")) result.physics = read_physics(from, steps);
   result.truth.hits = from.pairs("/truth", steps, bodies);
+  if (from.has("/truth/contained_pair")) {
+    const auto kept = containment_of(from.attribute<std::string>("/truth", "containment"));
+    if (!kept || *kept == Containment::ignore) throw h5::Failure("/truth: its containment is not known");
+    result.truth.containment = *kept;
+    result.truth.contained = from.pairs("/truth", steps, bodies, "contained_");
+  }
   result.truth.time_ns = from.values<std::int64_t>("/truth/time_ns", Type::i64, {steps});
   if (from.has("/algorithm")) {
     result.answers = read_answers(from, steps, bodies);
     result.summary = read_summary(from, result.answers.size());
+    if (result.truth.containment == Containment::record) read_contained_hits(from, steps, result);
   }
   if (from.has("/passes")) result.passes = read_passes(from, result.answers.size());
   result.provenance = read_provenance(from);

@@ -7,18 +7,23 @@
 #include <thread>
 
 #include "geometry/meet.hpp"
+#include "pipeline/error.hpp"
 
 namespace pipeline {
 namespace {
 
+constexpr std::string_view kContainment[] = {"ignore", "record", "meet"};  // in the order of the enumerators
+
 struct TruthChunk {
-  PairLists hits;
+  PairLists hits, contained;
   std::vector<std::int64_t> time_ns;
 
   std::string bytes() const {
     ChunkWriter out;
     out.put(hits.offset);
     out.put(hits.pair);
+    out.put(contained.offset);
+    out.put(contained.pair);
     out.put(time_ns);
     return out.bytes;
   }
@@ -27,19 +32,23 @@ struct TruthChunk {
     TruthChunk chunk;
     chunk.hits.offset = in.get<std::uint64_t>();
     chunk.hits.pair = in.get<Pair>();
+    chunk.contained.offset = in.get<std::uint64_t>();
+    chunk.contained.pair = in.get<Pair>();
     chunk.time_ns = in.get<std::int64_t>();
     return chunk;
   }
 };
 
 TruthChunk decide_chunk(geometry::Decision& decision, const geometry::Bodies& bodies,
-                        std::span<const std::vector<geometry::Pose>> poses, Progress& progress) {
+                        std::span<const std::vector<geometry::Pose>> poses, bool wants_contained, Progress& progress) {
   using Clock = std::chrono::steady_clock;
   TruthChunk chunk;
+  std::vector<Pair> contained;
   for (const auto& step : poses) {
     stop_if_wanted();
     const auto start = Clock::now();
-    chunk.hits.append(decision.hits(step, geometry::pair_runs(bodies, step)));
+    chunk.hits.append(decision.hits(step, geometry::pair_runs(bodies, step), wants_contained ? &contained : nullptr));
+    if (wants_contained) chunk.contained.append(contained);
     chunk.time_ns.push_back(std::chrono::nanoseconds(Clock::now() - start).count());
     progress.add(1);
   }
@@ -48,8 +57,35 @@ TruthChunk decide_chunk(geometry::Decision& decision, const geometry::Bodies& bo
 
 }  // namespace
 
+std::vector<Pair> Truth::scoring(std::size_t step) const {
+  const std::span<const Pair> surface = hits.at(step);
+  std::vector<Pair> out(surface.begin(), surface.end());
+  if (containment == Containment::meet) {
+    const std::span<const Pair> inside = contained.at(step);
+    out.insert(out.end(), inside.begin(), inside.end());
+    std::inplace_merge(out.begin(), out.begin() + std::ptrdiff_t(surface.size()), out.end());
+  }
+  return out;
+}
+
+std::string_view text_of(Containment containment) { return kContainment[std::size_t(containment)]; }
+
+std::optional<Containment> containment_of(std::string_view text) {
+  for (std::size_t i = 0; i < std::size(kContainment); ++i)
+    if (kContainment[i] == text) return Containment(i);
+  return std::nullopt;
+}
+
+std::string open_mesh_text(const std::string& name) {
+  return "mesh '" + name +
+         "' is open: an edge belongs to an odd number of its facets, so nothing can be inside it; close it, or set "
+         "truth.containment to \"ignore\"";
+}
+
 Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses, int threads,
-             const Part& part, Progress& progress) {
+             const Part& part, Progress& progress, Containment containment) {
+  Truth truth;
+  truth.containment = containment;
   const std::size_t chunks = (poses.size() + kChunkSteps - 1) / kChunkSteps;
   std::vector<TruthChunk> done(chunks);
   std::vector<std::size_t> open;
@@ -64,16 +100,23 @@ Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geome
 
   if (!open.empty()) {
     const std::vector<geometry::Bvh> bvhs = geometry::build_bvhs(bodies);
+    std::vector<geometry::Solid> solids;
+    if (truth.lists_contained())
+      for (const geometry::Mesh& mesh : bodies.meshes) {
+        solids.push_back(geometry::solid_of(mesh));
+        if (!solids.back().closed) throw Error(kInput, open_mesh_text(mesh.name));
+      }
     const std::size_t workers = std::min<std::size_t>(std::size_t(std::max(threads, 1)), open.size());
     std::atomic<std::size_t> next = 0;
     std::vector<std::exception_ptr> errors(workers);
     const auto work = [&](std::size_t worker) {
       try {
-        geometry::Decision decision(bodies, bvhs);
+        geometry::Decision decision(bodies, bvhs, solids);
         for (std::size_t i = next++; i < open.size(); i = next++) {
           const std::size_t first = open[i] * kChunkSteps;
           const std::size_t count = std::min<std::size_t>(kChunkSteps, poses.size() - first);
-          TruthChunk chunk = decide_chunk(decision, bodies, std::span(poses).subspan(first, count), progress);
+          TruthChunk chunk =
+              decide_chunk(decision, bodies, std::span(poses).subspan(first, count), truth.lists_contained(), progress);
           part.save(chunk_name("truth", std::int64_t(first)), chunk.bytes());
           done[open[i]] = std::move(chunk);
         }
@@ -90,9 +133,9 @@ Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geome
       if (error) std::rethrow_exception(error);
   }
 
-  Truth truth;
   for (const TruthChunk& chunk : done) {
     for (std::size_t s = 0; s < chunk.hits.steps(); ++s) truth.hits.append(chunk.hits.at(s));
+    for (std::size_t s = 0; s < chunk.contained.steps(); ++s) truth.contained.append(chunk.contained.at(s));
     truth.time_ns.insert(truth.time_ns.end(), chunk.time_ns.begin(), chunk.time_ns.end());
   }
   return truth;

@@ -1,5 +1,9 @@
-// The truth stage: which bodies meet, exactly, at every step (geometry/meet.hpp says what that means).
+// The truth stage: which bodies meet, exactly, at every step (geometry/meet.hpp says what that means), and which lie
+// wholly inside others (geometry/contain.hpp).
 #pragma once
+#include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "pipeline/part.hpp"
@@ -9,8 +13,16 @@
 namespace pipeline {
 
 /// Decides every step of the motion on `threads` threads, each taking ranges of steps; the answers do not depend on how
-/// many. Chunks that `part` holds are taken from it. `poses` is S x B.
+/// many. Chunks that `part` holds are taken from it. `poses` is S x B. Throws Error(kInput), naming the mesh, when
+/// containment counts and a mesh is open.
 Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses, int threads,
-             const Part& part, Progress& progress);
+             const Part& part, Progress& progress, Containment containment = Containment::ignore);
+
+/// What is wrong with an open mesh when containment counts.
+std::string open_mesh_text(const std::string& mesh);
+
+/// Containment as configurations and files spell it.
+std::string_view text_of(Containment containment);
+std::optional<Containment> containment_of(std::string_view text);
 
 }  // namespace pipeline
