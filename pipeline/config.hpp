@@ -45,8 +45,8 @@ struct BoxScene {
     std::int64_t count = 80, from = 0, every = 5;  // steps; every 0: all at once
   } births;
   struct {
-    std::int64_t from = 50, every = 50;                         // steps
-    double speed = 5;                                           // m/s, added to the velocity; 0: no pushes
+    std::int64_t from = 50, every = 50;                           // steps
+    double speed = 5;                                             // m/s, added to the velocity; 0: no pushes
     std::vector<std::string> directions{"+x", "-x", "+z", "-z"};  // of each sphere's own frame, in turn
   } push;
 };

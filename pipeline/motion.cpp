@@ -34,8 +34,8 @@ struct MotionChunk {
   }
 };
 
-/// The born bodies of a scene and their integration. Simbody's bodies are fixed once it has begun, so this is made again
-/// after every event, and at every chunk.
+/// The born bodies of a scene and their integration. Simbody's bodies are fixed once it has begun, so this is made
+/// again after every event, and at every chunk.
 class Integration {
  public:
   /// At `time` s from `states`, B of them. reference_energy as Simulation's.

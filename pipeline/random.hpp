@@ -1,8 +1,9 @@
 // Random numbers of a run, all made from its seed: the same on every machine.
 //
-// SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014) and explicit conversions:
-// the distributions of <random> differ between standard libraries. A stream belongs to one purpose, for instance the
-// birth of one body, so that what is drawn depends neither on what was drawn before nor on where a run was resumed.
+// SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014) and explicit
+// conversions: the distributions of <random> differ between standard libraries. A stream belongs to one purpose, for
+// instance the birth of one body, so that what is drawn depends neither on what was drawn before nor on where a run was
+// resumed.
 #pragma once
 #include <cstdint>
 

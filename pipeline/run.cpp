@@ -92,7 +92,11 @@ Result run(const Config& config, const RunOptions& options) {
       try {
         motion = integrate(config, scene, part, progress);
       } catch (const Error& error) {
-        if (error.code() == kInput) part.remove();  // no run of this configuration can ever finish
+        if (error.code() == kInput) {  // no run of this configuration can ever finish: nothing stays
+          part.remove();
+          std::error_code not_empty;
+          if (options.output.empty()) fs::remove(output.parent_path(), not_empty);
+        }
         throw;
       }
       result.motion = std::move(motion.poses);

@@ -231,7 +231,8 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
   text += print(", %lld steps at %g per second\n", static_cast<long long>(config.steps), config.rate);
   if (config.scene_kind->integrated) {
     const Physics& p = config.physics;
-    const bool gravity = p.gravity != std::array<double, 3>{}, damping = p.linear_damping != 0 || p.angular_damping != 0;
+    const bool gravity = p.gravity != std::array<double, 3>{},
+               damping = p.linear_damping != 0 || p.angular_damping != 0;
     text += std::string("            ") + (gravity ? "gravity" : "no gravity force is made") + ", " +
             (damping ? "damping" : "no damping") + "\n";
   }

@@ -1,17 +1,17 @@
-#include "pipeline/random.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
+
+#include "pipeline/random.hpp"
 
 using pipeline::Random;
 
 // The published test vector of SplitMix64 for the state 1234567.
 TEST(Random, IsSplitMix64) {
   Random random(1234567);
-  for (const std::uint64_t expected : {6457827717110365317u, 3203168211198807973u, 9817491932198370423u,
-                                       4593380528125082431u, 16408922859458223821u})
+  for (const std::uint64_t expected :
+       {6457827717110365317u, 3203168211198807973u, 9817491932198370423u, 4593380528125082431u, 16408922859458223821u})
     EXPECT_EQ(random.next(), expected);
 }
 

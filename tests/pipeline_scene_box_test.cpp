@@ -282,8 +282,8 @@ TEST(BoxMotion, EnergyRisesOnlyByPushes) {
 }
 
 TEST(BoxMotion, NoSphereLeavesTheCube) {
-  const Motion motion = motion_of(box({"steps=160", "scene.half_width=2", "scene.births.count=10",
-                                       "scene.births.every=5", "scene.push.speed=10"}));
+  const Motion motion = motion_of(
+      box({"steps=160", "scene.half_width=2", "scene.births.count=10", "scene.births.every=5", "scene.push.speed=10"}));
   ASSERT_EQ(motion.physics.status, "complete");
   for (const auto& poses : motion.poses)
     for (std::size_t body = kPlates; body < poses.size(); ++body) {
@@ -294,8 +294,8 @@ TEST(BoxMotion, NoSphereLeavesTheCube) {
 
 // Plates as soft as foam: the sphere that is pushed into one goes through.
 TEST(BoxMotion, ASphereThatLeavesEndsTheMotionAsData) {
-  const Config config = box({"steps=200", "scene.births.count=2", "scene.births.every=0", "scene.push.from=10",
-                             "physics.stiffness=100"});
+  const Config config =
+      box({"steps=200", "scene.births.count=2", "scene.births.every=0", "scene.push.from=10", "physics.stiffness=100"});
   const Motion motion = motion_of(config);
   const std::string& status = motion.physics.status;
   ASSERT_EQ(status.find("failed at step "), 0u) << status;
@@ -327,14 +327,13 @@ TEST(BoxMotion, IsAFunctionOfTheConfiguration) {
   EXPECT_NE(motion_of(box(other)).poses[0][kPlates].t, motion.poses[0][kPlates].t);
 }
 
-// Births at steps 0, 20, ... 100 or 9, 29, 49, ... or 10, 30, 50, ..., pushes at 29, 39, 49, ... 99: at the last step of
-// a chunk, at the first and inside. A run that goes on from any chunk ends with the same bits.
+// Births at steps 0, 20, ... 100 or 9, 29, 49, ... or 10, 30, 50, ..., pushes at 29, 39, 49, ... 99: at the last step
+// of a chunk, at the first and inside. A run that goes on from any chunk ends with the same bits.
 TEST(BoxMotion, ResumesFromAnyChunkWithTheSameBits) {
   for (const char* from : {"0", "9", "10"}) {
     SCOPED_TRACE(from);
     const Config config = box({"steps=110", "scene.half_width=1.5", "scene.births.count=6", "scene.births.every=20",
-                               std::string("scene.births.from=") + from, "scene.push.from=29",
-                               "scene.push.every=10"});
+                               std::string("scene.births.from=") + from, "scene.push.from=29", "scene.push.every=10"});
     const TemporaryFolder folder;
     const std::filesystem::path part = folder / "x.part";
     const Motion whole = motion_of(config, part);
@@ -370,7 +369,8 @@ TEST(BoxMotion, ABirthWithoutAPlaceIsTheUsersError) {
   }
 }
 
-// With an event at every step no Simulation lives for longer than one: what it counted on the way to it must not be lost.
+// With an event at every step no Simulation lives for longer than one: what it counted on the way to it must not be
+// lost.
 TEST(BoxMotion, RowsCountTheStepsBeforeAnEventAndShowWhatHoldsAfterIt) {
   const Config config = box({"steps=30", "scene.births.count=30", "scene.births.every=1", "scene.push.from=20"});
   const double mass = config.scene_kind->make(config).rigid[kPlates].mass;
@@ -389,7 +389,7 @@ TEST(BoxMotion, RowsCountTheStepsBeforeAnEventAndShowWhatHoldsAfterIt) {
 
 TEST(BoxMotion, TheTimeBudgetIsThatOfTheWholeMotion) {
   // Every step has an event, so each Simulation lives for one step only; together they take longer than the budget.
-  const Motion motion = motion_of(box({"steps=400", "scene.births.every=1", "scene.births.count=80",
-                                       "physics.time_budget=0.02"}));
+  const Motion motion =
+      motion_of(box({"steps=400", "scene.births.every=1", "scene.births.count=80", "physics.time_budget=0.02"}));
   EXPECT_NE(motion.physics.status.find("s of wall time"), std::string::npos) << motion.physics.status;
 }

@@ -138,6 +138,8 @@ def test_a_killed_run_resumes_with_the_same_digest(pipeline, tmp_path, long_dige
 
 def test_a_birth_without_a_place_is_one_line_and_leaves_nothing(pipeline, tmp_path):
     crowd = ["--set", "steps=100", "--set", "scene.half_width=2", "--set", "scene.births.every=1"]
+    run(pipeline, "run", KOSTKA, *crowd, cwd=tmp_path)
+    assert list(tmp_path.iterdir()) == []  # no folder results either
     done = run(pipeline, "run", KOSTKA, "-o", tmp_path / "x.h5", *crowd)
     assert done.returncode == 3
     assert done.stdout == ""
