@@ -125,7 +125,10 @@ std::string passes_text(const Result& result) {
     wrong.push_back({result.answers[a].label});
     for (const std::string& name : names) {
       const TargetSummary row = summarise(passes.rows, passes.answers[a], name);
-      first.back().push_back(std::isnan(row.median) ? "-" : print("%+.3f", row.median));
+      // Positions are found to 1e-6 m: less than half a millimetre is nothing, and has no sign.
+      first.back().push_back(std::isnan(row.median)           ? "-"
+                             : std::fabs(row.median) < 0.5e-3 ? "0.000"
+                                                              : print("%+.3f", row.median));
       wrong.back().push_back(print("%llu + %llu", static_cast<unsigned long long>(row.missed),
                                    static_cast<unsigned long long>(row.false_alarms)));
     }
@@ -289,6 +292,9 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
   text += config.scene_kind->integrated ? config.physics.integrator + print(" at accuracy %g", config.physics.accuracy)
                                         : "scripted, no integrator is built and no /physics written";
   text += print(", %lld steps at %g per second\n", static_cast<long long>(config.steps), config.rate);
+  if (plan.passes > 0)
+    text += print("passes      %llu, early or late found by bisection: truth to %g m, algorithms to %g m\n",
+                  static_cast<unsigned long long>(plan.passes), kTruthTolerance, kAlgorithmTolerance);
   text += "truth       exact, by surface; containment is not asked for, so it is not computed\n";
   for (const AlgorithmChoice& choice : config.algorithms)
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
@@ -306,6 +312,7 @@ std::string plan_json(const Config& config, const Plan& plan, const std::string&
                {"meshes", plan.meshes},         {"triangles", plan.triangles},
                {"repeats", config.repeats},     {"output", output},
                {"file_bytes", plan.file_bytes}, {"memory_bytes", plan.memory_bytes}};
+  if (plan.passes > 0) json["passes"] = plan.passes;
   if (config.scene_kind->integrated)
     json["physics"] = {{"integrator", config.physics.integrator}, {"accuracy", config.physics.accuracy}};
   json["algorithms"] = Json::array();
