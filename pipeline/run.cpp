@@ -46,6 +46,7 @@ Plan plan(const Config& config) {
   const SceneSize size = config.scene_kind->size(config);
   Plan plan{.bodies = size.bodies, .meshes = size.meshes, .triangles = size.mesh_triangles};
   plan.pairs = size.pairs.value_or(size.bodies * (size.bodies - 1) / 2);
+  plan.passes = size.passes;
   const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
   const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
   plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);

@@ -32,6 +32,7 @@ struct SceneSize {
   std::uint64_t bodies = 0, meshes = 0;
   std::uint64_t mesh_vertices = 0, mesh_triangles = 0;  // of the distinct meshes
   std::uint64_t body_vertices = 0;                      // over all bodies
+  std::uint64_t passes = 0;                             // of scripted scenes
   std::optional<std::uint64_t> pairs = {};              // asked about at a step; absent: all that the bodies make
 };
 

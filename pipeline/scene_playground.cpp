@@ -339,7 +339,8 @@ struct Shapes {
 };
 
 SceneSize size(const Config& config) {
-  const Shapes shapes(std::get<PlaygroundScene>(config.scene));
+  const PlaygroundScene& scene = std::get<PlaygroundScene>(config.scene);
+  const Shapes shapes(scene);
   SceneSize size{.bodies = shapes.of_body.size(), .meshes = shapes.distinct.size()};
   for (const Shape& shape : shapes.distinct) {
     size.mesh_vertices += mesh_size(shape).vertices;
@@ -347,6 +348,7 @@ SceneSize size(const Config& config) {
   }
   for (const std::uint32_t shape : shapes.of_body) size.body_vertices += mesh_size(shapes.distinct[shape]).vertices;
   size.pairs = size.bodies - 1;
+  for (const Pass& pass : all_passes(scene)) size.passes += pass.first_step + pass.samples <= config.steps;
   return size;
 }
 
