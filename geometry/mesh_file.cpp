@@ -576,6 +576,7 @@ Mesh parse_ply(std::string_view bytes, Builder& out, const std::string& name) {
       const std::ptrdiff_t at = element.find(p);
       return at >= 0 && element.properties[std::size_t(at)].count.has_value();
     };
+    if (element.properties.empty()) lines.fail("element " + quoted(element.name) + " has no properties");
     if (element.name == "vertex") has_vertices = plain("x") && plain("y") && plain("z");
     if (element.name == "face")
       has_faces = list("vertex_indices") || (element.find("vertex_indices") < 0 && list("vertex_index"));

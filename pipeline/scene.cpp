@@ -5,6 +5,7 @@ namespace pipeline {
 const std::vector<SceneKind>& scene_kinds() {
   static const std::vector<SceneKind> kinds = {
       falling_kind(),
+      replay_kind(),
   };
   return kinds;
 }

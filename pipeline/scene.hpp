@@ -40,12 +40,15 @@ struct SceneKind {
   void (*write)(const Config& config, TomlText& out);    // the same keys with their values
   SceneSize (*size)(const Config& config);
   Scene (*make)(const Config& config);
+  /// Reads the files that the scene names, once, and what follows from them into `config`; null: it names none.
+  void (*complete)(Config& config) = nullptr;
 };
 
 const std::vector<SceneKind>& scene_kinds();
 
 // The rows, each from its own file.
 SceneKind falling_kind();
+SceneKind replay_kind();
 
 /// The pose of a state: its quaternion normalised by the rule of the truth.
 geometry::Pose pose_of(const BodyState& state);
