@@ -1,5 +1,3 @@
-#include "geometry/mesh_file.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "geometry/contain.hpp"
+#include "geometry/mesh_file.hpp"
 #include "geometry/shapes.hpp"
 
 namespace {
@@ -237,8 +236,7 @@ TEST(MeshFile, RefusesWithFileAndLine) {
       {binary_ply(true).substr(0, body + 30), "a.ply", "the data of 'vertex'; it is truncated"},
       {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nend_header\n", "a.ply",
        "a.ply:5: the header must announce vertices with x, y, z and faces with a list vertex_indices"},
-      {"ply\nformat ascii 1.0\nelement vertex 3\nproperty real x\n", "a.ply",
-       "a.ply:4: 'real' is not a type of PLY"},
+      {"ply\nformat ascii 1.0\nelement vertex 3\nproperty real x\n", "a.ply", "a.ply:4: 'real' is not a type of PLY"},
       {kObj, "a.fbx", "a.fbx: is no kind of mesh file that is read; name a file .obj, .off, .stl or .ply"},
       {kObj, "mesh", "mesh: is no kind of mesh file that is read; name a file .obj, .off, .stl or .ply"},
   };
