@@ -84,15 +84,22 @@ class Run:
         """The pairs that meet. Columns: step, a, b (numbers of bodies, a < b); N rows, sorted."""
         return self._pairs("truth")
 
+    @cached_property
+    def contained_pairs(self):
+        """The pairs of which one body lies wholly inside the other, as truth_pairs; None where it was not asked for."""
+        with h5py.File(self.path) as file:
+            asked = "contained_pair" in file["truth"]
+        return self._pairs("truth", "contained_") if asked else None
+
     def _columns(self, group):
         """name -> values of a group's columns, its dimensions left out; empty when there is no such group."""
         with h5py.File(self.path) as file:
             datasets = file.get(group, {})
             return {name: data[()] for name, data in datasets.items() if not h5py.h5ds.is_scale(data.id)}
 
-    def _pairs(self, group):
+    def _pairs(self, group, prefix=""):
         with h5py.File(self.path) as file:
-            offset, pair = file[group]["pair_offset"][()], file[group]["pair"][()]
+            offset, pair = file[group][prefix + "pair_offset"][()], file[group][prefix + "pair"][()]
         step = np.repeat(np.arange(self.meta["steps"]), np.diff(offset).astype(np.int64))
         return pd.DataFrame({"step": step, "a": pair[:, 0], "b": pair[:, 1]})
 

@@ -120,7 +120,8 @@ std::string result_text(const Result& result) {
                 result.bodies.size(), result.rate, result.truth.hits.pair.size());
   if (result.truth.lists_contained())
     text += print("%zu pairs of which one lies inside the other: ", result.truth.contained.pair.size()) +
-            (result.truth.containment == Containment::meet ? "they count as meeting\n" : "hits on them are counted apart\n");
+            (result.truth.containment == Containment::meet ? "they count as meeting\n"
+                                                           : "hits on them are counted apart\n");
   if (result.physics) text += "integration " + result.physics->status + "\n";
   text += "\n";
 
