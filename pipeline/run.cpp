@@ -49,9 +49,8 @@ Plan plan(const Config& config) {
   const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
   const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
   plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);
-  // In memory: the result and, while it is written, once more its datasets; the truth's world vertices (24 bytes) and
-  // boxes (about 48 bytes a triangle) of every body; hierarchies and sampled facets (about 200 bytes a triangle of a
-  // mesh).
+  // In memory: the result and, while it is written, once more its datasets; the truth's world vertices (24 bytes) and boxes
+  // (about 48 bytes a triangle) of every body; hierarchies and sampled facets (about 200 bytes a triangle of a mesh).
   plan.memory_bytes = 2 * plan.file_bytes + (24 + 2 * 48) * size.body_vertices + 200 * size.mesh_triangles;
   return plan;
 }
@@ -82,7 +81,8 @@ Result run(const Config& config, const RunOptions& options) {
   const PartKey key{
       .config_sha256 = sha256(config.effective), .program_sha256 = program_sha256(), .inputs_sha256 = sha256(inputs)};
   Part part(output.string() + ".part", key, config.title, config.steps, options.force);
-  if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
+  if (part.resumed() && !options.quiet)
+    std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   const int threads = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
   const std::uint64_t steps = std::uint64_t(config.steps);
 
@@ -148,8 +148,8 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
 
   refuse_unfit(result.bodies, choices);
   Progress progress("detect", result.steps(), options.quiet);
-  std::vector<Answers> fresh =
-      detect(result.bodies, result.motion, result.truth, choices, config.repeats, machine(), nullptr, progress);
+  std::vector<Answers> fresh = detect(result.bodies, result.motion, result.truth, choices, config.repeats, machine(),
+                                      nullptr, progress);
   const std::uint64_t pairs = total_pairs(result.bodies, result.motion);
   for (Answers& answers : fresh) {
     const std::size_t at = std::size_t(index_of(answers.label));

@@ -208,7 +208,7 @@ def change(path, old, new):
 
 
 HOSTILE = {
-    "missing mesh": ("replay_example.toml", '"replay_example/hero.obj"', '"none.obj"', "replay_example.toml:16:9: "),
+    "missing mesh": ("replay_example.toml", '"replay_example/hero.obj"', '"none.obj"', "replay_example.toml:18:9: "),
     "NaN in a mesh": ("replay_example/hero.obj", "v 0.5 ", "v nan ", "hero.obj:3: "),
     "index out of range": ("replay_example/hero.obj", "f 1 3 4", "f 1 3 6", "hero.obj:8: index 6 "),
     "gap": ("replay_example/poses.csv", "\n7,hero", "\n8,hero", "poses.csv:10: step 8 comes after step 6"),
@@ -247,7 +247,7 @@ def test_open_and_degenerate_meshes_are_used_and_said(copy, tmp_path):
 
 def test_changed_input_does_not_resume_an_old_part(copy, tmp_path):
     path, part = tmp_path / "x.h5", tmp_path / "x.h5.part"
-    # A part as a killed run leaves it: its manifest, made by a run that ends for lack of ... its own lock.
+    # A thousand repeats, so that there is time to kill the run before it is done.
     run = subprocess.Popen([PIPELINE, "run", str(copy), "-o", str(path), "--set", "timing.repeats=1000"])
     while run.poll() is None and not (part / "truth-0000000").exists():
         pass
