@@ -98,6 +98,11 @@ class Lines {
   /// The next word of the line; empty at its end.
   std::string_view word() {
     skip_blanks();
+    return rest_of_word();
+  }
+
+  /// What follows directly, up to the next blank.
+  std::string_view rest_of_word() {
     std::size_t end = 0;
     while (end < line_.size() && !blank(line_[end])) ++end;
     const std::string_view out = line_.substr(0, end);
@@ -195,7 +200,7 @@ Mesh parse_obj(std::string_view text, Builder& out, const std::string& name) {
       corners.clear();
       while (!lines.at_end()) {
         const std::int64_t index = lines.integer("the index of a vertex", '/');
-        lines.word();  // "/texture/normal"
+        lines.rest_of_word();  // "/texture/normal"
         const std::int64_t count = static_cast<std::int64_t>(out.mesh.vertices.size());
         // Negative ones count back from the last vertex so far.
         const std::int64_t from_one = index < 0 ? count + 1 + index : index;
@@ -576,6 +581,7 @@ Mesh parse_ply(std::string_view bytes, Builder& out, const std::string& name) {
       const std::ptrdiff_t at = element.find(p);
       return at >= 0 && element.properties[std::size_t(at)].count.has_value();
     };
+    if (element.properties.empty()) lines.fail("element " + quoted(element.name) + " has no properties");
     if (element.name == "vertex") has_vertices = plain("x") && plain("y") && plain("z");
     if (element.name == "face")
       has_faces = list("vertex_indices") || (element.find("vertex_indices") < 0 && list("vertex_index"));

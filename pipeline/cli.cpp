@@ -108,6 +108,7 @@ int dispatch(int argc, const char* const* argv) {
   }
   if (*check_command) {
     const Config config = read_config(config_path, sets);
+    warn(config.notes);
     const std::filesystem::path target = output_path(config, options);
     const Plan planned = plan(config);
     refuse_if_too_large(planned, target);
@@ -132,6 +133,7 @@ int dispatch(int argc, const char* const* argv) {
   sigaction(SIGTERM, &action, nullptr);
   if (*run_command) {
     const Config config = read_config(config_path, sets);
+    warn(config.notes);
     return finish(run(config, options), output_path(config, options).string(), json);
   }
   return finish(detect_again(file, added, options), file, json);

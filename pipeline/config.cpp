@@ -90,13 +90,6 @@ Containment containment(const Section& s) {
 
 // ---- Algorithms --------------------------------------------------------------------------------------------------
 
-bool valid_label(std::string_view label) {
-  constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.+-";
-  // A label names a group of the file and a folder of the run: "." and ".." mean something else there.
-  return !label.empty() && label.size() <= 64 && label.find_first_not_of(kAllowed) == std::string_view::npos &&
-         label != "." && label != "..";
-}
-
 algorithms::Value knob_value(const Section& s, const algorithms::Knob& knob) {
   // What is no knob's type (a date, an array) becomes a wrong type, so that `checked` states the rule.
   const algorithms::Value wrong = std::holds_alternative<bool>(knob.preset) ? algorithms::Value(0.0) : false;
@@ -126,7 +119,7 @@ AlgorithmChoice algorithm_choice(const Section& s) {
   s.only(known);
   AlgorithmChoice choice{.name = name, .label = s.text("label", name), .knobs = algorithms::presets(*row)};
   if (!valid_label(choice.label))
-    s.refuse("label", "be 1 to 64 characters of A-Z a-z 0-9 _ . + - and neither '.' nor '..'");
+    s.refuse("label", kLabelRule);
   for (const algorithms::Knob& knob : row->knobs)
     if (s.has(knob.name)) choice.knobs[knob.name] = knob_value(s, knob);
   return choice;
@@ -218,6 +211,13 @@ std::string bytes_of(const std::filesystem::path& path) {
 
 }  // namespace
 
+bool valid_label(std::string_view label) {
+  constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.+-";
+  // A label names a group of the file and a folder of the run: "." and ".." mean something else there.
+  return !label.empty() && label.size() <= 64 && label.find_first_not_of(kAllowed) == std::string_view::npos &&
+         label != "." && label != "..";
+}
+
 Config parse_config(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets) {
   const std::string file = one_line(path.string(), 4096);
   if (text.size() > kMostBytes) throw Error(kInput, file + ": a configuration must be at most 16 MiB long, not more");
@@ -233,6 +233,8 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   config.seed = root.integer("seed", config.seed, 0);
   config.steps = root.integer("steps", config.steps, 1, kMostSteps);
   config.rate = root.real("rate", config.rate, {.least = 0, .most = kMostRate, .above = true});
+  if (root.has("steps")) config.steps_place = root.place("steps");
+  config.rate_given = root.has("rate");
   read_scene(root, config);
   if (config.scene_kind->steps) {
     const std::int64_t all = config.scene_kind->steps(config);
@@ -247,7 +249,12 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
 }
 
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets) {
-  return parse_config(bytes_of(path), path, sets);
+  Config config = parse_config(bytes_of(path), path, sets);
+  if (config.scene_kind->complete) {
+    config.scene_kind->complete(config);
+    config.effective = effective(config);
+  }
+  return config;
 }
 
 AlgorithmChoice parse_algorithm(const std::string& argument) {

@@ -3,8 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -79,6 +82,28 @@ struct PlaygroundScene {
   std::vector<PlaygroundPath> paths;          // the twelve when the configuration names none
 };
 
+struct ReplayInputs;  // pipeline/scene_replay.cpp: what the files hold
+
+/// One body of a replayed scene.
+struct ReplayBody {
+  std::string name;
+  std::string mesh;            // file as written; empty: a shape
+  std::optional<Shape> shape;  // else the mesh
+  bool fixed = false;
+  std::optional<std::array<double, 3>> position;   // m; of fixed bodies, when it is not in the CSV
+  std::array<double, 4> orientation{1, 0, 0, 0};   // w x y z, as written
+  std::string place;                               // of mesh or shape, for messages
+};
+
+/// kind = "replay": bodies and poses from files. Paths are relative to the configuration's folder.
+struct ReplayScene {
+  std::string poses, motion;      // a CSV file, or an earlier result with all its bodies; the other is empty
+  std::vector<std::string> only;  // empty: every pair counts
+  std::vector<ReplayBody> bodies;
+  std::string place, only_place;               // of poses or motion, and of only, for messages
+  std::shared_ptr<const ReplayInputs> inputs;  // read_config fills it
+};
+
 /// The physical radius of a contact sphere: the shape's, or that of the greatest ball inside its mesh.
 enum class ContactRadius { nominal, inscribed };
 
@@ -97,27 +122,37 @@ struct Config {
   std::string effective;  // the whole configuration after defaults and --set, as TOML; reading it gives this Config
   std::string title;
   std::int64_t seed = 1;
-  std::int64_t steps = 600;               // samples, step 0 included
-  double rate = 60;                       // samples per second
+  std::int64_t steps = 600;  // samples, step 0 included
+  double rate = 60;          // samples per second
   const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
-  std::variant<FallingScene, BoxScene, PlaygroundScene> scene;  // of that kind
+  std::variant<FallingScene, BoxScene, PlaygroundScene, ReplayScene> scene;  // of that kind
   Physics physics;                        // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;
   std::int64_t repeats = 3;
   std::vector<AlgorithmChoice> algorithms;
+
+  // Of scenes that name files:
+  std::string steps_place;                    // where steps was written; empty: it was not
+  bool rate_given = false;
+  std::map<std::string, std::string> inputs;  // every file read, as written -> its SHA-256
+  std::vector<std::string> notes;             // what should be said of them, one line each
 };
 
-/// Reads and validates. `sets` are --set arguments, "dotted.key=TOML value" (a bare word is taken as a string).
+/// Reads and validates, the files that the scene names included; steps and rate that are not given become theirs. `sets` are --set arguments, "dotted.key=TOML value" (a bare word is taken as a string).
 /// Throws Error(kInput) with file:line:column (or the --set), the value, the rule and the nearest known key.
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets = {});
 
-/// Reads TOML text as if from `path`. For tests and for configurations kept in result files.
+/// Reads TOML text as if from `path`, and no file that it names. For tests and for configurations kept in result files.
 Config parse_config(const std::string& text, const std::filesystem::path& path,
                     const std::vector<std::string>& sets = {});
 
 /// An --algorithm argument, "NAME[:knob=value,...][@LABEL]". Throws Error(kInput) naming the argument.
 AlgorithmChoice parse_algorithm(const std::string& argument);
+
+/// The rule for labels and names of bodies.
+bool valid_label(std::string_view label);
+constexpr char kLabelRule[] = "be 1 to 64 characters of A-Z a-z 0-9 _ . + - and neither '.' nor '..'";
 
 /// Knobs as a JSON object, keys sorted.
 std::string knobs_json(const algorithms::Knobs& knobs);

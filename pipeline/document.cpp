@@ -297,6 +297,27 @@ std::vector<std::string> Section::choices(std::string_view key, const std::vecto
   return out;
 }
 
+std::vector<std::string> Section::texts(std::string_view key) const {
+  std::vector<std::string> out;
+  if (!has(key)) return out;
+  const toml::array* array = node(key)->as_array();
+  if (!array) refuse(key, "be an array of texts");
+  for (const toml::node& entry : *array) {
+    if (!entry.is_string()) refuse_node(std::string(key) + '.' + std::to_string(out.size()), entry, "be text");
+    out.push_back(entry.as_string()->get());
+  }
+  return out;
+}
+
+bool Section::boolean(std::string_view key, bool preset) const {
+  if (!has(key)) return preset;
+  const auto* value = node(key)->as_boolean();
+  if (!value) refuse(key, "be true or false");
+  return value->get();
+}
+
+std::string Section::place(std::string_view key) const { return document_->place(full(key), node(key)); }
+
 std::int64_t Section::integer_of(std::string_view key, const toml::node& node, std::int64_t least,
                                  std::int64_t most) const {
   const auto* value = node.as_integer();

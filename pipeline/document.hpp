@@ -88,6 +88,9 @@ class Section {
   /// An array, not empty, of members of `known`.
   std::vector<std::string> choices(std::string_view key, const std::vector<std::string>& preset,
                                    const std::vector<std::string>& known) const;
+  /// An array of texts; empty when it is absent.
+  std::vector<std::string> texts(std::string_view key) const;
+  bool boolean(std::string_view key, bool preset) const;
   std::int64_t integer(std::string_view key, std::int64_t preset, std::int64_t least,
                        std::int64_t most = std::numeric_limits<std::int64_t>::max()) const;
   double real(std::string_view key, double preset, const Range& range) const;
@@ -104,6 +107,8 @@ class Section {
   [[noreturn]] void refuse(std::string_view key, const std::string& rule, const std::string& remedy = "") const;
   /// Throws `text` with the place of the table.
   [[noreturn]] void fail(const std::string& text) const;
+  /// Where a key that is there was written: file:line:column, or the --set.
+  std::string place(std::string_view key) const;
   /// The dotted key, as --set spells it.
   std::string full(std::string_view key) const;
 

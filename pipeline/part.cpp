@@ -135,6 +135,7 @@ Part::Part(const fs::path& folder, const PartKey& key, const std::string& title,
   }
 
   const nlohmann::json mine = {{"config_sha256", key.config_sha256},
+                               {"inputs_sha256", key.inputs_sha256},
                                {"program_sha256", key.program_sha256},
                                {"title", title},
                                {"steps", steps}};
@@ -146,9 +147,13 @@ Part::Part(const fs::path& folder, const PartKey& key, const std::string& title,
   if (fs::exists(folder / kManifest)) {
     if (!force) {
       close(lock_);
-      const bool same_config = found.is_object() && found.value("config_sha256", "") == key.config_sha256;
-      throw Error(kFile, folder.string() + ": is an unfinished run of another " +
-                             (same_config ? "build" : "configuration") +
+      const auto same = [&](const char* name, const std::string& mine) {
+        return found.is_object() && found.value(name, "") == mine;
+      };
+      throw Error(kFile, folder.string() + ": is an unfinished run of " +
+                             (!same("config_sha256", key.config_sha256)   ? "another configuration"
+                              : !same("inputs_sha256", key.inputs_sha256) ? "other input files"
+                                                                          : "another build") +
                              "; --force discards it, or choose another -o");
     }
     for (const auto& entry : fs::directory_iterator(folder))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "pipeline/detect.hpp"
@@ -79,7 +80,9 @@ Result run(const Config& config, const RunOptions& options) {
   Scene scene = config.scene_kind->make(config);
   refuse_unfit(scene.bodies, config.algorithms);
 
-  const PartKey key{.config_sha256 = sha256(config.effective), .program_sha256 = program_sha256()};
+  const std::string inputs = nlohmann::json(config.inputs).dump();
+  const PartKey key{
+      .config_sha256 = sha256(config.effective), .program_sha256 = program_sha256(), .inputs_sha256 = sha256(inputs)};
   Part part(output.string() + ".part", key, config.title, config.steps, options.force);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   const int threads = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
@@ -109,7 +112,7 @@ Result run(const Config& config, const RunOptions& options) {
   }
   {
     Progress progress("truth", steps, options.quiet);
-    result.truth = decide(scene.bodies, result.motion, threads, part, progress);
+    result.truth = decide(scene.bodies, result.motion, threads, part, progress, config.containment);
   }
   {
     Progress progress("detect", steps, options.quiet);
@@ -136,6 +139,7 @@ Result run(const Config& config, const RunOptions& options) {
   result.bodies = std::move(scene.bodies);
   result.provenance = provenance();
   result.provenance.config_sha256 = sha256(config.text);
+  result.provenance.inputs_sha256 = inputs;
   result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   write_result(result, output);
   part.remove();

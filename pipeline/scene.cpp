@@ -10,6 +10,7 @@ const std::vector<SceneKind>& scene_kinds() {
       falling_kind(),
       box_kind(),
       playground_kind(),
+      replay_kind(),
   };
   return kinds;
 }

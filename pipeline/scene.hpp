@@ -55,6 +55,8 @@ struct SceneKind {
   std::string (*breach)(const Config& config, const std::vector<BodyState>& states) = nullptr;
   // Of scripted scenes: how many steps the script has. A configuration may ask for fewer, not for more.
   std::int64_t (*steps)(const Config& config) = nullptr;
+  /// Reads the files that the scene names, once, and what follows from them into `config`; null: it names none.
+  void (*complete)(Config& config) = nullptr;
 };
 
 const std::vector<SceneKind>& scene_kinds();
@@ -63,6 +65,7 @@ const std::vector<SceneKind>& scene_kinds();
 SceneKind falling_kind();
 SceneKind box_kind();
 SceneKind playground_kind();
+SceneKind replay_kind();
 
 /// The state of a body that is not born yet: NaN throughout.
 BodyState unborn_state();

@@ -9,6 +9,7 @@
 #include "pipeline/passes.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/store.hpp"
+#include "pipeline/truth.hpp"
 #include "pipeline/words.hpp"
 
 namespace pipeline {
@@ -177,12 +178,18 @@ std::string result_text(const Result& result) {
   std::string text = result.title + "\n";
   text += print("%zu steps of %zu bodies at %g per second; %zu pairs meet over all steps\n", result.steps(),
                 result.bodies.size(), result.rate, result.truth.hits.pair.size());
+  if (result.truth.lists_contained())
+    text += print("%zu pairs of which one lies inside the other: ", result.truth.contained.pair.size()) +
+            (result.truth.containment == Containment::meet ? "they count as meeting\n"
+                                                           : "hits on them are counted apart\n");
   if (result.physics) text += "integration " + result.physics->status + "\n";
   text += "\n";
 
   std::vector<std::vector<std::string>> rows = {{"algorithm", "key", "scope", "error", "false positive",
                                                  "false negative", "hits", "mean time", "p95 time", "operations",
                                                  "promise"}};
+  const bool counts_contained = result.truth.containment == Containment::record;
+  if (counts_contained) rows[0].push_back("contained hits");
   for (std::size_t a = 0; a < result.answers.size(); ++a) {
     const Answers& answers = result.answers[a];
     const Summary& row = result.summary[a];
@@ -190,6 +197,7 @@ std::string result_text(const Result& result) {
                     std::to_string(row.false_positive), std::to_string(row.false_negative), std::to_string(row.hits),
                     time_text(row.time_mean_ns), time_text(row.time_p95_ns), std::to_string(row.operations),
                     answers.promise == "none" ? "-" : answers.promise + (row.promise_kept ? " kept" : " BROKEN")});
+    if (counts_contained) rows.back().push_back(std::to_string(row.contained_hit.value_or(0)));
   }
   text += aligned(rows);
   text +=
@@ -217,6 +225,8 @@ std::string result_json(const Result& result, const std::string& path) {
                {"rate", result.rate},
                {"repeats", parse_config(result.config_effective, path).repeats},
                {"truth_hits", result.truth.hits.pair.size()},
+               {"containment", text_of(result.truth.containment)},
+               {"contained", result.truth.contained.pair.size()},
                {"digest", result.digest}};
   json["integration"] = result.physics ? Json(result.physics->status) : Json(nullptr);
   for (const auto& [group, digest] : digests(result)) json["digests"][group] = digest;
@@ -244,6 +254,7 @@ std::string result_json(const Result& result, const std::string& path) {
                                   {"time_mean_ns", row.time_mean_ns},
                                   {"time_median_ns", row.time_median_ns},
                                   {"time_p95_ns", row.time_p95_ns}});
+    if (row.contained_hit) json["algorithms"].back()["contained_hit"] = *row.contained_hit;
   }
   if (result.passes) json["passes"] = passes_json(result);
   json["provenance"] = {{"creator", from.creator},
@@ -302,7 +313,19 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
   if (plan.passes > 0)
     text += print("passes      %llu, early or late found by bisection: truth to %g m, algorithms to %g m\n",
                   static_cast<unsigned long long>(plan.passes), kTruthTolerance, kAlgorithmTolerance);
-  text += "truth       exact, by surface; containment is not asked for, so it is not computed\n";
+  text += "truth       exact, by surface; ";
+  switch (config.containment) {
+    case Containment::ignore:
+      text += "containment is not asked for, so it is not computed\n";
+      break;
+    case Containment::record:
+      text += "bodies wholly inside others are listed, and hits on them counted apart\n";
+      break;
+    case Containment::meet:
+      text += "bodies wholly inside others are listed and count as meeting\n";
+      break;
+  }
+  for (const auto& [file, hash] : config.inputs) text += "input       " + file + "\n";
   for (const AlgorithmChoice& choice : config.algorithms)
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
             knobs_json(choice.knobs) + "\n";
@@ -320,6 +343,8 @@ std::string plan_json(const Config& config, const Plan& plan, const std::string&
                {"repeats", config.repeats},     {"output", output},
                {"file_bytes", plan.file_bytes}, {"memory_bytes", plan.memory_bytes}};
   if (plan.passes > 0) json["passes"] = plan.passes;
+  json["containment"] = text_of(config.containment);
+  json["inputs_sha256"] = config.inputs;
   if (config.scene_kind->integrated)
     json["physics"] = {{"integrator", config.physics.integrator}, {"accuracy", config.physics.accuracy}};
   json["algorithms"] = Json::array();

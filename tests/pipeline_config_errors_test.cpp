@@ -132,10 +132,6 @@ TEST(ConfigErrors, RefusesWithPlaceRuleValueAndRemedy) {
       {physics + "acuracy = 1\n", "a/f.toml:4:1: unknown key 'physics.acuracy'; did you mean 'accuracy'?"},
       {"physics = []\n" + kScene, "a/f.toml:1:11: 'physics' must be a table, not []; write [physics]"},
       // Truth, timing
-      {kScene + "[truth]\ncontainment = \"record\"\n",
-       "a/f.toml:4:15: 'truth.containment' must be \"ignore\", not \"record\"; this version does not look for bodies "
-       "inside"},
-      {kScene + "[truth]\ncontainment = \"meet\"\n", "not \"meet\"; this version"},
       {kScene + "[truth]\ncontainment = \"maet\"\n",
        "must be \"ignore\", \"record\" or \"meet\", not \"maet\"; did you mean 'meet'?"},
       {kScene + "[truth]\nx = 1\n", "a/f.toml:4:1: unknown key 'truth.x'; known: containment"},

@@ -32,6 +32,19 @@ TEST(Score, FollowsTheDefinitions) {
   EXPECT_DOUBLE_EQ(row.matthews, (6.0 * 91 - 2.0 * 1) / std::sqrt(8.0 * 7 * 93 * 92));
 }
 
+// TP 6, FP 2, FN 1, contained 3: those are no false positives, and no true negatives either: TN 88 of 100 pairs.
+TEST(Score, CountsContainedHitsApart) {
+  Answers answers = counted({4, 2}, {2, 0}, {0, 1});
+  EXPECT_FALSE(summarise(answers, 100).contained_hit);
+  answers.contained_hit = {1, 2};
+  const Summary row = summarise(answers, 100);
+  EXPECT_EQ(row.contained_hit, 3u);
+  EXPECT_EQ(row.hits, 11u);
+  EXPECT_DOUBLE_EQ(row.error, 3.0 / 9.0);
+  EXPECT_DOUBLE_EQ(row.precision, 6.0 / 8.0);
+  EXPECT_DOUBLE_EQ(row.matthews, (6.0 * 88 - 2.0 * 1) / std::sqrt(8.0 * 7 * 90 * 89));
+}
+
 TEST(Score, ErrorIsZeroAndRatiosAreNaNWhereNothingMeetsOrIsReported) {
   const Summary row = summarise(counted({0}, {0}, {0}), 10);
   EXPECT_EQ(row.error, 0);

@@ -134,6 +134,8 @@ void expect_same(const Result& a, const Result& b) {
     }
   }
   expect_same(a.truth.hits, b.truth.hits);
+  EXPECT_EQ(a.truth.containment, b.truth.containment);
+  expect_same(a.truth.contained, b.truth.contained);
   EXPECT_EQ(a.truth.time_ns, b.truth.time_ns);
 
   ASSERT_EQ(a.answers.size(), b.answers.size());
@@ -154,6 +156,7 @@ void expect_same(const Result& a, const Result& b) {
     EXPECT_EQ(x.false_positive, y.false_positive);
     EXPECT_EQ(x.false_negative, y.false_negative);
     EXPECT_EQ(x.rounding_miss, y.rounding_miss);
+    EXPECT_EQ(x.contained_hit, y.contained_hit);
   }
   ASSERT_EQ(a.summary.size(), b.summary.size());
   for (std::size_t i = 0; i < a.summary.size(); ++i) {
@@ -167,6 +170,7 @@ void expect_same(const Result& a, const Result& b) {
                 same_bits(x.time_median_ns, y.time_median_ns) && same_bits(x.time_p95_ns, y.time_p95_ns))
         << x.error;
     EXPECT_EQ(x.promise_kept, y.promise_kept);
+    EXPECT_EQ(x.contained_hit, y.contained_hit);
   }
   const auto texts = [](const Provenance& p) {
     return std::vector{p.creator,       p.git_commit,    p.build_type, p.compiler, p.flags,    p.library_versions,
@@ -198,6 +202,24 @@ TEST_F(Store, WritesTheSameBytesForTheSameResult) {
 TEST_F(Store, KeepsWhatHasManyChunks) { round_trip(synthetic_result(700, 60, 2, 300), file("a.h5"), file("b.h5")); }
 
 TEST_F(Store, KeepsOneStep) { round_trip(synthetic_result(1, 3, 1, 1), file("a.h5"), file("b.h5")); }
+
+TEST_F(Store, KeepsContainedPairsAndTheHitsOnThem) {
+  for (const Containment containment : {Containment::record, Containment::meet}) {
+    Result result = synthetic_result(3, 5, 2, 0);
+    result.truth.containment = containment;
+    for (std::uint32_t s = 0; s < 3; ++s) result.truth.contained.append(std::vector<Pair>{{0, s + 1}});
+    if (containment == Containment::record)
+      for (std::size_t a = 0; a < 2; ++a) {
+        result.answers[a].contained_hit = {a, 1, 0};
+        result.summary[a].contained_hit = a + 1;
+      }
+    round_trip(result, file("a.h5"), file("b.h5"));
+    // They are part of the truth's digest.
+    const std::string before = digests(result).at("/truth");
+    result.truth.contained.pair[1].b = 3;
+    EXPECT_NE(digests(result).at("/truth"), before);
+  }
+}
 
 TEST_F(Store, KeepsListsWithoutPairs) {
   const Result result = synthetic_result(5, 4, 2, 0);

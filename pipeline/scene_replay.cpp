@@ -1,0 +1,303 @@
+// kind = "replay": other people's motion. Bodies from mesh files or built-in shapes and poses from CSV, or both from
+// the result of an earlier run.
+//
+// Keys are read without touching the files they name, because a result's own configuration is read again long after
+// they are gone. The files are read once, when the configuration is (complete), and kept with it.
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <set>
+
+#include "geometry/contain.hpp"
+#include "geometry/mesh_file.hpp"
+#include "pipeline/error.hpp"
+#include "pipeline/poses_csv.hpp"
+#include "pipeline/provenance.hpp"
+#include "pipeline/scene.hpp"
+#include "pipeline/store.hpp"
+#include "pipeline/truth.hpp"
+
+namespace pipeline {
+
+/// What the files of a replayed scene hold.
+struct ReplayInputs {
+  geometry::Bodies bodies;
+  std::vector<std::vector<geometry::Pose>> poses;  // all steps x B
+  std::optional<double> rate;                      // of an earlier result
+};
+
+namespace {
+namespace fs = std::filesystem;
+
+constexpr double kNormTolerance = 1e-6;
+constexpr Range kAnyCoordinate{.least = -geometry::kGreatestCoordinate, .most = geometry::kGreatestCoordinate};
+
+// ---- Keys --------------------------------------------------------------------------------------------------------
+
+ReplayBody read_body(const Section& s) {
+  ReplayBody body;
+  if (!s.has("name")) s.fail("missing key '" + s.full("name") + "', the name of the body");
+  body.name = s.text("name", "");
+  if (!valid_label(body.name)) s.refuse("name", kLabelRule);
+  const std::vector<std::string> others{"name", "mesh", "fixed", "position", "orientation"};
+  if (s.has("mesh")) {
+    if (s.has("shape")) s.refuse("shape", "be absent where 'mesh' is given", "a body has one of them");
+    s.only(others);
+    body.mesh = s.text("mesh", "");
+    if (body.mesh.empty()) s.refuse("mesh", "name a file");
+    body.place = s.place("mesh") + ": '" + s.full("mesh") + "'";
+  } else {
+    if (!s.has("shape"))
+      s.fail("missing key '" + s.full("mesh") + "', or 'shape' with its parameters; see `pipeline list shapes`");
+    body.shape = read_shape(s, others);
+    body.place = s.place("shape") + ": '" + s.full("shape") + "'";
+  }
+  body.fixed = s.boolean("fixed", false);
+  if (!body.fixed)
+    for (const char* key : {"position", "orientation"})
+      if (s.has(key)) s.refuse(key, "be given for fixed bodies only", "a moving body has its poses in the CSV");
+  if (s.has("position")) s.reals("position", body.position.emplace(), kAnyCoordinate);
+  if (s.has("orientation")) {
+    if (!body.position) s.fail("missing key '" + s.full("position") + "' beside 'orientation'");
+    auto& q = body.orientation;
+    s.reals("orientation", q, kAnyCoordinate);
+    const double norm = std::sqrt(((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]) + q[3] * q[3]);
+    if (!(std::abs(norm - 1) <= kNormTolerance))
+      s.refuse("orientation", "be a quaternion [w, x, y, z] of length 1 within 1e-6",
+               "its length is " + real_text(norm));
+  }
+  return body;
+}
+
+void read(const Section& s, Config& config) {
+  s.only({"kind", "poses", "motion", "only", "body"});
+  ReplayScene scene;
+  scene.only = s.texts("only");
+  if (s.has("only") && scene.only.empty()) s.refuse("only", "name at least one body", "leave it out for all pairs");
+  if (s.has("only")) scene.only_place = s.place("only") + ": '" + s.full("only") + "'";
+  if (s.has("motion")) {
+    const std::string remedy = "bodies, meshes and poses are those of that result";
+    for (const char* key : {"poses", "body"})
+      if (s.has(key)) s.refuse(key, "be absent where 'motion' is given", remedy);
+    scene.motion = s.text("motion", "");
+    if (scene.motion.empty()) s.refuse("motion", "name a result file");
+    scene.place = s.place("motion") + ": '" + s.full("motion") + "'";
+  } else {
+    if (!s.has("poses"))
+      s.fail("missing key '" + s.full("poses") + "', a CSV file; or 'motion', the result of an earlier run");
+    scene.poses = s.text("poses", "");
+    if (scene.poses.empty()) s.refuse("poses", "name a CSV file");
+    scene.place = s.place("poses") + ": '" + s.full("poses") + "'";
+    std::set<std::string> taken;
+    for (const Section& t : s.sections("body")) {
+      scene.bodies.push_back(read_body(t));
+      if (!taken.insert(scene.bodies.back().name).second) t.refuse("name", "be the only one of its name");
+    }
+    if (scene.bodies.empty()) s.fail("missing [[scene.body]]: name the bodies of the CSV and their meshes");
+    for (const std::string& name : scene.only)
+      if (!taken.contains(name))
+        s.refuse("only", "hold names of bodies", hint(name, std::vector<std::string>(taken.begin(), taken.end())));
+  }
+  config.scene = std::move(scene);
+}
+
+void write(const Config& config, TomlText& out) {
+  const ReplayScene& scene = std::get<ReplayScene>(config.scene);
+  if (scene.motion.empty())
+    out.line("poses", scene.poses);
+  else
+    out.line("motion", scene.motion);
+  if (!scene.only.empty()) out.list("only", scene.only);
+  for (const ReplayBody& body : scene.bodies) {
+    out.table("[[scene.body]]");
+    out.line("name", body.name);
+    if (body.shape)
+      write_shape(*body.shape, out);
+    else
+      out.line("mesh", body.mesh);
+    out.line("fixed", body.fixed);
+    if (!body.position) continue;
+    out.list("position", *body.position);
+    out.list("orientation", body.orientation);
+  }
+}
+
+// ---- Files -------------------------------------------------------------------------------------------------------
+
+/// An input file: its path, relative to the configuration, and its bytes.
+struct Input {
+  std::string path, bytes;
+};
+
+/// Reads the file that the key at `place` names and keeps its hash.
+Input read_input(Config& config, const std::string& written, const std::string& place) {
+  const fs::path path = config.path.parent_path() / written;
+  const auto refuse = [&](const char* why) {
+    throw Error(kInput, place + " must name a file that can be read, not " + in_quotes(one_line(written)) + ": " +
+                            one_line(path.string(), 4096) + ": " + why);
+  };
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!stream) refuse(std::strerror(errno));
+  Input input{.path = one_line(path.string(), 4096), .bytes = {}};
+  std::error_code error;
+  if (const auto size = fs::file_size(path, error); !error) input.bytes.reserve(size);
+  std::vector<char> block(1 << 20);
+  while (const std::size_t got = std::fread(block.data(), 1, block.size(), stream.get()))
+    input.bytes.append(block.data(), got);
+  if (std::ferror(stream.get())) refuse(std::strerror(errno));  // fopen opens folders; reading them fails
+  config.inputs[written] = sha256(input.bytes);
+  return input;
+}
+
+void note_flaws(const geometry::Mesh& mesh, const std::string& file, Config& config) {
+  if (!geometry::is_closed(mesh) && !geometry::solid_of(mesh).closed)
+    config.notes.push_back(file + ": the surface is open; it is used as it is");
+  if (const std::size_t flat = geometry::degenerate_facets(mesh); flat > 0)
+    config.notes.push_back(file + ": " + std::to_string(flat) + (flat == 1 ? " triangle has" : " triangles have") +
+                           " no area; used as they are");
+}
+
+/// Bodies as the configuration lists them. Bodies of one file or of equal shapes share a mesh, which is named after the
+/// first of them.
+geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
+  geometry::Bodies bodies;
+  std::map<std::string, std::uint32_t> known;  // by the text of `shape`
+  for (const ReplayBody& body : scene.bodies) {
+    TomlText text;
+    if (body.shape)
+      write_shape(*body.shape, text);
+    else
+      text.line("mesh", body.mesh);
+    const auto [at, fresh] = known.emplace(text.text, std::uint32_t(bodies.meshes.size()));
+    if (fresh) {
+      geometry::Mesh mesh;
+      if (body.shape) {
+        mesh = make_mesh(*body.shape, body.name);
+      } else {
+        const Input input = read_input(config, body.mesh, body.place);
+        try {
+          mesh = geometry::parse_mesh(input.bytes, input.path, body.name);
+        } catch (const geometry::MeshFileError& error) {
+          throw Error(kInput, error.what());
+        }
+        mesh.shape = "{\"file\": " + in_quotes(one_line(body.mesh, 4096)) + "}";
+        note_flaws(mesh, input.path, config);
+      }
+      if (config.containment != Containment::ignore && !geometry::solid_of(mesh).closed)
+        throw Error(kInput, body.place + " of body '" + body.name + "': " + open_mesh_text(mesh.name));
+      bodies.meshes.push_back(std::move(mesh));
+    }
+    bodies.name.push_back(body.name);
+    bodies.mesh.push_back(at->second);
+    bodies.fixed.push_back(body.fixed);
+  }
+  return bodies;
+}
+
+std::vector<std::vector<geometry::Pose>> load_poses(Config& config, const ReplayScene& scene) {
+  std::vector<CsvBody> bodies;
+  for (const ReplayBody& body : scene.bodies)
+    bodies.push_back({body.name, !body.fixed     ? CsvBody::every_step
+                                 : body.position ? CsvBody::none
+                                                 : CsvBody::first_step});
+  const Input input = read_input(config, scene.poses, scene.place);
+  auto poses = parse_poses(input.bytes, input.path, bodies);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b].rows != CsvBody::none) continue;
+    const auto& t = *scene.bodies[b].position;
+    const auto& q = scene.bodies[b].orientation;
+    const geometry::Pose pose{geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}};
+    for (auto& step : poses) step[b] = pose;
+  }
+  return poses;
+}
+
+void load_result(Config& config, const ReplayScene& scene, ReplayInputs& inputs) {
+  const std::string path = read_input(config, scene.motion, scene.place).path;
+  Result earlier = read_result(path);
+  if (config.containment != Containment::ignore)
+    for (const geometry::Mesh& mesh : earlier.bodies.meshes)
+      if (!geometry::solid_of(mesh).closed) throw Error(kInput, scene.place + ": " + open_mesh_text(mesh.name));
+  inputs.bodies = std::move(earlier.bodies);
+  inputs.poses = std::move(earlier.motion);
+  inputs.rate = earlier.rate;
+}
+
+std::shared_ptr<const ReplayInputs> load(Config& config) {
+  const ReplayScene& scene = std::get<ReplayScene>(config.scene);
+  auto inputs = std::make_shared<ReplayInputs>();
+  if (!scene.motion.empty()) {
+    load_result(config, scene, *inputs);
+  } else {
+    inputs->bodies = load_bodies(config, scene);
+    inputs->poses = load_poses(config, scene);
+  }
+  if (scene.only.empty()) return inputs;
+  geometry::Bodies& bodies = inputs->bodies;
+  bodies.chosen.assign(bodies.size(), 0);
+  for (const std::string& name : scene.only) {
+    const auto at = std::ranges::find(bodies.name, name);
+    if (at == bodies.name.end())
+      throw Error(kInput, scene.only_place + " must hold names of bodies, not " + in_quotes(one_line(name)) + "; " +
+                              hint(name, bodies.name));
+    bodies.chosen[std::size_t(at - bodies.name.begin())] = 1;
+  }
+  return inputs;
+}
+
+void complete(Config& config) {
+  auto inputs = load(config);
+  const std::int64_t steps = std::int64_t(inputs->poses.size());
+  ReplayScene& scene = std::get<ReplayScene>(config.scene);
+  if (config.steps_place.empty())
+    config.steps = steps;
+  else if (config.steps > steps)
+    throw Error(kInput, config.steps_place + ": 'steps' must be at most " + std::to_string(steps) + ", the steps of " +
+                            (scene.motion.empty() ? scene.poses : scene.motion) + ", not " +
+                            std::to_string(config.steps));
+  if (!config.rate_given && inputs->rate) config.rate = *inputs->rate;
+  scene.inputs = std::move(inputs);
+}
+
+const ReplayInputs& inputs_of(const Config& config) {
+  const auto& inputs = std::get<ReplayScene>(config.scene).inputs;
+  if (!inputs) throw std::logic_error("a replayed scene is asked for before its files were read");
+  return *inputs;
+}
+
+SceneSize size(const Config& config) {
+  const geometry::Bodies& bodies = inputs_of(config).bodies;
+  SceneSize out{.bodies = bodies.size(), .meshes = bodies.meshes.size()};
+  for (const geometry::Mesh& mesh : bodies.meshes) {
+    out.mesh_vertices += mesh.vertices.size();
+    out.mesh_triangles += mesh.triangles.size();
+  }
+  for (std::uint32_t b = 0; b < bodies.size(); ++b) out.body_vertices += bodies.mesh_of(b).vertices.size();
+  return out;
+}
+
+Scene make(const Config& config) {
+  const ReplayInputs& inputs = inputs_of(config);
+  Scene scene;
+  scene.bodies = inputs.bodies;
+  scene.script.assign(inputs.poses.begin(), inputs.poses.begin() + config.steps);
+  return scene;
+}
+
+}  // namespace
+
+SceneKind replay_kind() {
+  return {.name = "replay",
+          .what = "other people's motion: meshes from files, poses from CSV or from an earlier result",
+          .integrated = false,
+          .read = read,
+          .write = write,
+          .size = size,
+          .make = make,
+          .complete = complete};
+}
+
+}  // namespace pipeline
