@@ -90,9 +90,9 @@ struct ReplayBody {
   std::string mesh;            // file as written; empty: a shape
   std::optional<Shape> shape;  // else the mesh
   bool fixed = false;
-  std::optional<std::array<double, 3>> position;   // m; of fixed bodies, when it is not in the CSV
-  std::array<double, 4> orientation{1, 0, 0, 0};   // w x y z, as written
-  std::string place;                               // of mesh or shape, for messages
+  std::optional<std::array<double, 3>> position;  // m; of fixed bodies, when it is not in the CSV
+  std::array<double, 4> orientation{1, 0, 0, 0};  // w x y z, as written
+  std::string place;                              // of mesh or shape, for messages
 };
 
 /// kind = "replay": bodies and poses from files. Paths are relative to the configuration's folder.
@@ -122,25 +122,26 @@ struct Config {
   std::string effective;  // the whole configuration after defaults and --set, as TOML; reading it gives this Config
   std::string title;
   std::int64_t seed = 1;
-  std::int64_t steps = 600;  // samples, step 0 included
-  double rate = 60;          // samples per second
-  const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
+  std::int64_t steps = 600;                                                  // samples, step 0 included
+  double rate = 60;                                                          // samples per second
+  const SceneKind* scene_kind = nullptr;                                     // a row of scene_kinds()
   std::variant<FallingScene, BoxScene, PlaygroundScene, ReplayScene> scene;  // of that kind
-  Physics physics;                        // only when the scene is integrated
+  Physics physics;                                                           // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;
   std::int64_t repeats = 3;
   std::vector<AlgorithmChoice> algorithms;
 
   // Of scenes that name files:
-  std::string steps_place;                    // where steps was written; empty: it was not
+  std::string steps_place;  // where steps was written; empty: it was not
   bool rate_given = false;
   std::map<std::string, std::string> inputs;  // every file read, as written -> its SHA-256
   std::vector<std::string> notes;             // what should be said of them, one line each
 };
 
-/// Reads and validates, the files that the scene names included; steps and rate that are not given become theirs. `sets` are --set arguments, "dotted.key=TOML value" (a bare word is taken as a string).
-/// Throws Error(kInput) with file:line:column (or the --set), the value, the rule and the nearest known key.
+/// Reads and validates, the files that the scene names included; steps and rate that are not given become theirs.
+/// `sets` are --set arguments, "dotted.key=TOML value" (a bare word is taken as a string). Throws Error(kInput) with
+/// file:line:column (or the --set), the value, the rule and the nearest known key.
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets = {});
 
 /// Reads TOML text as if from `path`, and no file that it names. For tests and for configurations kept in result files.

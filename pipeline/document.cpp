@@ -374,7 +374,7 @@ std::vector<std::pair<std::string, double>> Section::named_reals(std::string_vie
   for (const toml::node& entry : *array) {
     const std::string name = std::string(key) + '.' + std::to_string(out.size());
     const toml::array* two = entry.as_array();
-    if (!two || two->size() != 2 || !two->get(0)->is_string()) 
+    if (!two || two->size() != 2 || !two->get(0)->is_string())
       refuse_node(name, entry, "be [" + alternatives(known) + ", number]");
     const std::string& word = two->get(0)->as_string()->get();
     if (std::ranges::find(known, word) == known.end())

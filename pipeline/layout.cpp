@@ -226,10 +226,10 @@ Group physics(const PhysicsRows& physics, const Sizes& n) {
 void add_pairs(Group& group, const PairLists& hits, const std::string& what, const Sizes& n,
                const std::string& prefix = "") {
   const Dimension entry{group.path + "/" + prefix + "entry", hits.pair.size()};
+  const std::string offset = prefix.empty() ? "pair_offset" : prefix + "offset";
   group.datasets.push_back(bare_scale(entry, "pairs of all steps, one step after another", true));
-  group.datasets.push_back(
-      viewed(group.path + "/" + prefix + "pair_offset", std::span(hits.offset), {n.boundary}, "1",
-             "the pairs of step s are entries " + prefix + "pair_offset[s] to " + prefix + "pair_offset[s + 1] - 1"));
+  group.datasets.push_back(viewed(group.path + "/" + offset, std::span(hits.offset), {n.boundary}, "1",
+                                  "the pairs of step s are entries " + offset + "[s] to " + offset + "[s + 1] - 1"));
   group.datasets.push_back(
       viewed(group.path + "/" + prefix + "pair", std::span(hits.pair), {entry, n.side}, "1", what, Type::u32));
 }

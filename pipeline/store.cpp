@@ -301,7 +301,8 @@ class Reader {
   PairLists pairs(const std::string& group, std::uint64_t steps, std::uint64_t bodies,
                   const std::string& prefix = "") const {
     PairLists out;
-    out.offset = values<std::uint64_t>(group + "/" + prefix + "pair_offset", Type::u64, {steps + 1});
+    out.offset = values<std::uint64_t>(group + "/" + prefix + (prefix.empty() ? "pair_offset" : "offset"), Type::u64,
+                                       {steps + 1});
     out.pair = values<Pair>(group + "/" + prefix + "pair", Type::u32, {kAny, 2});
     bool sound = out.offset.front() == 0 && out.offset.back() == out.pair.size() &&
                  std::ranges::is_sorted(out.offset) &&

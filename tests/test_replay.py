@@ -80,7 +80,7 @@ def test_example_holds_the_files_motion_and_no_physics(example):
 
 def pairs(file, group, prefix=""):
     """One set of pairs per step."""
-    offset, pair = file[f"{group}/{prefix}pair_offset"][()], file[f"{group}/{prefix}pair"][()]
+    offset, pair = file[f"{group}/{prefix or 'pair_'}offset"][()], file[f"{group}/{prefix}pair"][()]
     return [set(map(tuple, pair[a:b])) for a, b in zip(offset[:-1].astype(int), offset[1:].astype(int))]
 
 
