@@ -35,22 +35,55 @@ std::string error_in(const std::string& text, const std::vector<std::string>& se
 
 Config with(const std::vector<std::string>& sets) { return parse_config(kScene, "f.toml", sets); }
 
+void expect_same_scene(const FallingScene& a, const FallingScene& b) {
+  EXPECT_EQ(a.segments, b.segments);
+  EXPECT_EQ(a.radius, b.radius);
+  EXPECT_EQ(a.density, b.density);
+  EXPECT_EQ(a.plate, b.plate);
+  EXPECT_EQ(a.shift, b.shift);
+  ASSERT_EQ(a.sets.size(), b.sets.size());
+  for (std::size_t i = 0; i < a.sets.size(); ++i) {
+    const FallingSet &s = a.sets[i], &t = b.sets[i];
+    EXPECT_TRUE(s.lying == t.lying && s.above == t.above && s.corner == t.corner) << i;
+    EXPECT_TRUE(s.spacing == t.spacing && s.height == t.height) << i;
+  }
+}
+
+std::string written(const Shape& shape) {
+  TomlText out;
+  write_shape(shape, out);
+  return out.text;
+}
+
+void expect_same_turn(const geometry::Quaternion& a, const geometry::Quaternion& b) {
+  EXPECT_TRUE(a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z);
+}
+
+void expect_same_scene(const PlaygroundScene& a, const PlaygroundScene& b) {
+  EXPECT_EQ(a.step, b.step);
+  EXPECT_EQ(written(a.hero), written(b.hero));
+  ASSERT_EQ(a.obstacles.size(), b.obstacles.size());
+  for (std::size_t i = 0; i < a.obstacles.size(); ++i) {
+    EXPECT_EQ(a.obstacles[i].name, b.obstacles[i].name);
+    EXPECT_EQ(written(a.obstacles[i].shape), written(b.obstacles[i].shape));
+    expect_same_turn(a.obstacles[i].orientation, b.obstacles[i].orientation);
+  }
+  ASSERT_EQ(a.paths.size(), b.paths.size());
+  for (std::size_t i = 0; i < a.paths.size(); ++i) {
+    const PlaygroundPath &p = a.paths[i], &q = b.paths[i];
+    EXPECT_TRUE(p.name == q.name && p.targets == q.targets && p.axis == q.axis && p.offset == q.offset) << i;
+    EXPECT_TRUE(p.from == q.from && p.to == q.to && p.hero == q.hero) << i;
+    expect_same_turn(p.orientation, q.orientation);
+  }
+}
+
 void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(a.title, b.title);
   EXPECT_EQ(a.seed, b.seed);
   EXPECT_EQ(a.steps, b.steps);
   EXPECT_EQ(a.rate, b.rate);
-  EXPECT_EQ(falling_of(a).segments, falling_of(b).segments);
-  EXPECT_EQ(falling_of(a).radius, falling_of(b).radius);
-  EXPECT_EQ(falling_of(a).density, falling_of(b).density);
-  EXPECT_EQ(falling_of(a).plate, falling_of(b).plate);
-  EXPECT_EQ(falling_of(a).shift, falling_of(b).shift);
-  ASSERT_EQ(falling_of(a).sets.size(), falling_of(b).sets.size());
-  for (std::size_t i = 0; i < falling_of(a).sets.size(); ++i) {
-    const FallingSet &s = falling_of(a).sets[i], &t = falling_of(b).sets[i];
-    EXPECT_TRUE(s.lying == t.lying && s.above == t.above && s.corner == t.corner) << i;
-    EXPECT_TRUE(s.spacing == t.spacing && s.height == t.height) << i;
-  }
+  ASSERT_EQ(a.scene.index(), b.scene.index());
+  std::visit([&]<class Scene>(const Scene& scene) { expect_same_scene(scene, std::get<Scene>(b.scene)); }, a.scene);
   const Physics &p = a.physics, &q = b.physics;
   EXPECT_EQ(p.integrator, q.integrator);
   EXPECT_EQ(p.accuracy, q.accuracy);
