@@ -4,6 +4,7 @@ h5py and xarray read the file unaided too: ``xarray.open_dataset(path, group="re
 ``pandas.read_hdf`` does not: it reads only what pandas wrote.
 """
 
+import json
 import os
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -70,28 +71,6 @@ class Run:
             table.attrs["status"] = file["physics"].attrs["status"]
         return table
 
-    @cached_property
-    def passes(self):
-        """One row per pass and algorithm (P x A rows, pass by pass); None when the scene has no passes.
-
-        Columns: pass (its number), target, path, orientation (names), offset (m), first_step, samples, truth_first,
-        truth_last (m from the path's start; NaN: never meets), truth_hits (samples), algorithm (categorical); first,
-        last (m before (positive) or after the exact first and last contact; NaN: none), flicker, hits (samples).
-        """
-        columns = self._columns("passes")
-        if not columns:
-            return None
-        labels = self.meta["algorithms"]
-        count = len(columns["target"])
-        table = {"pass": np.repeat(np.arange(count), len(labels))}
-        for name, values in columns.items():
-            if values.ndim == 2:
-                continue
-            text = values.dtype == object
-            table[name] = np.repeat([v.decode() for v in values] if text else values, len(labels))
-        table["algorithm"] = pd.Categorical.from_codes(np.tile(np.arange(len(labels)), count), labels)
-        return pd.DataFrame(table | {name: v.ravel() for name, v in columns.items() if v.ndim == 2})
-
     def pairs(self, label):
         """The pairs that an algorithm reported. Columns: step, a, b (numbers of bodies, a < b); N rows, sorted.
 
@@ -106,15 +85,78 @@ class Run:
         """The pairs that meet. Columns: step, a, b (numbers of bodies, a < b); N rows, sorted."""
         return self._pairs("truth")
 
+    @cached_property
+    def contained_pairs(self):
+        """The pairs of which one body lies wholly inside the other. Columns as truth_pairs; None when not recorded."""
+        with h5py.File(self.path) as file:
+            if "contained_pair" not in file["truth"]:
+                return None
+        return self._pairs("truth", "contained_pair", "contained_offset")
+
+    @cached_property
+    def bodies(self):
+        """One row per body, indexed by its name.
+
+        Columns: mesh (name), fixed (bool), first_step; kind ("box", "sphere", ...; "file" for a mesh read from one);
+        size (3, m): the greatest less the least local vertex.
+        """
+        with h5py.File(self.path) as file:
+            shapes = {name: (_kind(mesh.attrs["shape"]), np.ptp(mesh["vertices"][()], axis=0))
+                      for name, mesh in file["meshes"].items()}  # fmt: skip
+            mesh = list(file["bodies/mesh"].asstr()[()])
+            table = {
+                "mesh": mesh,
+                "fixed": file["bodies/fixed"][()].astype(bool),
+                "first_step": file["bodies/first_step"][()],
+                "kind": [shapes[name][0] for name in mesh],
+                "size": [shapes[name][1] for name in mesh],
+            }
+        return pd.DataFrame(table, index=pd.Index(self.meta["bodies"], name="body"))
+
+    @cached_property
+    def motion(self):
+        """position (S,B,3) m and orientation (S,B,4) w x y z; NaN for a body that is not there."""
+        with h5py.File(self.path) as file:
+            return file["motion/position"][()], file["motion/orientation"][()]
+
+    @cached_property
+    def passes(self):
+        """One row per pass and algorithm (P x A rows, pass by pass); None when the scene has no passes.
+
+        Columns: number (of the pass), target (name of the body), path, offset, orientation (as in the file), algorithm
+        (categorical); truth_first, truth_last (m, NaN for never), first, last (m before the exact first and last
+        contact, negative after; NaN for never), flicker, reported (samples; `hits` in the file), and what else it has.
+        """
+        with h5py.File(self.path) as file:
+            if "passes" not in file:
+                return None
+            columns = {}
+            for name, data in file["passes"].items():
+                if not h5py.h5ds.is_scale(data.id):
+                    columns[name] = (data.asstr() if data.dtype == object else data)[()]
+        if "hits" in columns:
+            columns["reported"] = columns.pop("hits")
+        labels, bodies = self.meta["algorithms"], np.array(self.meta["bodies"], dtype=object)
+        passes = len(columns["target"])
+        if columns["target"].dtype.kind in "ui":
+            columns["target"] = bodies[columns["target"]]
+        table = {
+            "number": np.repeat(np.arange(passes), len(labels)),
+            "algorithm": pd.Categorical.from_codes(np.tile(np.arange(len(labels)), passes), labels),
+        }
+        for name, values in columns.items():
+            table[name] = values.ravel() if values.ndim == 2 else np.repeat(values, len(labels))
+        return pd.DataFrame(table)
+
     def _columns(self, group):
         """name -> values of a group's columns, its dimensions left out; empty when there is no such group."""
         with h5py.File(self.path) as file:
             datasets = file.get(group, {})
             return {name: data[()] for name, data in datasets.items() if not h5py.h5ds.is_scale(data.id)}
 
-    def _pairs(self, group):
+    def _pairs(self, group, pair="pair", offset="pair_offset"):
         with h5py.File(self.path) as file:
-            offset, pair = file[group]["pair_offset"][()], file[group]["pair"][()]
+            offset, pair = file[group][offset][()], file[group][pair][()]
         step = np.repeat(np.arange(self.meta["steps"]), np.diff(offset).astype(np.int64))
         return pd.DataFrame({"step": step, "a": pair[:, 0], "b": pair[:, 1]})
 
@@ -145,6 +187,14 @@ def load(path):
             "answers": {label: dict(file["answers"][label].attrs) for label in _names(file, "algorithm")},
         }
     return Run(path, meta)
+
+
+def _kind(shape):
+    """The kind of a mesh from its attribute `shape`: JSON of kind and parameters, or the name of a file."""
+    try:
+        return json.loads(shape)["kind"]
+    except (ValueError, KeyError, TypeError):
+        return "file"
 
 
 def _names(file, scale):

@@ -23,7 +23,6 @@ struct Entry {
   std::unique_ptr<Method> method;
 };
 
-/// Knobs that are each allowed may still not fit these meshes, for instance a density that needs billions of facets.
 Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
   const algorithms::Algorithm* row = algorithms::find(choice.name);
   try {
@@ -110,6 +109,10 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
 }
 
 }  // namespace
+
+void refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
+  for (const AlgorithmChoice& choice : choices) set_up(bodies, choice);
+}
 
 std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<Pose>>& poses, const Truth& truth,
                             const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Machine& machine,

@@ -10,6 +10,10 @@
 
 namespace pipeline {
 
+/// Throws Error(kInput) when the knobs of a choice do not fit these meshes, for instance a density of facets that needs
+/// billions of them: said before the run rather than after the motion.
+void refuse_unfit(const geometry::Bodies& bodies, const std::vector<AlgorithmChoice>& choices);
+
 /// Answers, operations, times and scores of every algorithm of `choices`, in their order. Single-threaded.
 ///
 /// Per step and algorithm one pass counts operations, untimed; then `repeats` passes are timed by a monotonic clock

@@ -76,13 +76,15 @@ Result run(const Config& config, const RunOptions& options) {
   if (fs::is_directory(output)) throw Error(kFile, output.string() + ": is a folder; choose another -o");
   refuse_if_too_large(plan(config), output);
 
+  Scene scene = config.scene_kind->make(config);
+  refuse_unfit(scene.bodies, config.algorithms);
+
   const PartKey key{.config_sha256 = sha256(config.effective), .program_sha256 = program_sha256()};
   Part part(output.string() + ".part", key, config.title, config.steps, options.force);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   const int threads = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
   const std::uint64_t steps = std::uint64_t(config.steps);
 
-  Scene scene = config.scene_kind->make(config);
   Result result;
   {
     Progress progress("motion", steps, options.quiet);
@@ -151,6 +153,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
         throw Error(kInput, "--algorithm: the label '" + label + "' is given twice; name another with @LABEL");
   }
 
+  refuse_unfit(result.bodies, choices);
   std::vector<Answers> fresh;
   {
     Progress progress("detect", result.steps(), options.quiet);

@@ -417,3 +417,12 @@ def test_a_failed_integration_is_written_and_said(tmp_path):
         assert np.isfinite(position[0]).all()
         assert file["truth/pair_offset"][-1] == file["truth/pair_offset"][-2]  # nothing can meet any more
     assert pipeline("show", path).returncode == DONE
+
+
+def test_knobs_that_do_not_fit_the_meshes_are_refused_before_the_run(tmp_path, smoke):
+    density = "facets_per_area=1e9"
+    run = pipeline("run", SMOKE, "-o", tmp_path / "x.h5", "--set", "algorithm=[{name='facet_distance', %s}]" % density)
+    assert run.returncode == INPUT and "facet_distance" in one_line(run) and "denser" in run.stderr
+    assert list(tmp_path.iterdir()) == []
+    run = pipeline("detect", smoke, "--algorithm", "facet_distance:" + density)
+    assert run.returncode == INPUT and "denser" in one_line(run)
