@@ -4,6 +4,7 @@ h5py and xarray read the file unaided too: ``xarray.open_dataset(path, group="re
 ``pandas.read_hdf`` does not: it reads only what pandas wrote.
 """
 
+import json
 import os
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -86,10 +87,66 @@ class Run:
 
     @cached_property
     def contained_pairs(self):
-        """The pairs of which one body lies wholly inside the other, as truth_pairs; None where it was not asked for."""
+        """The pairs of which one body lies wholly inside the other. Columns as truth_pairs; None when not recorded."""
         with h5py.File(self.path) as file:
-            asked = "contained_pair" in file["truth"]
-        return self._pairs("truth", "contained_") if asked else None
+            if "contained_pair" not in file["truth"]:
+                return None
+        return self._pairs("truth", "contained_pair", "contained_offset")
+
+    @cached_property
+    def bodies(self):
+        """One row per body, indexed by its name.
+
+        Columns: mesh (name), fixed (bool), first_step; kind ("box", "sphere", ...; "file" for a mesh read from one);
+        size (3, m): the greatest less the least local vertex.
+        """
+        with h5py.File(self.path) as file:
+            shapes = {name: (_kind(mesh.attrs["shape"]), np.ptp(mesh["vertices"][()], axis=0))
+                      for name, mesh in file["meshes"].items()}  # fmt: skip
+            mesh = list(file["bodies/mesh"].asstr()[()])
+            table = {
+                "mesh": mesh,
+                "fixed": file["bodies/fixed"][()].astype(bool),
+                "first_step": file["bodies/first_step"][()],
+                "kind": [shapes[name][0] for name in mesh],
+                "size": [shapes[name][1] for name in mesh],
+            }
+        return pd.DataFrame(table, index=pd.Index(self.meta["bodies"], name="body"))
+
+    @cached_property
+    def motion(self):
+        """position (S,B,3) m and orientation (S,B,4) w x y z; NaN for a body that is not there."""
+        with h5py.File(self.path) as file:
+            return file["motion/position"][()], file["motion/orientation"][()]
+
+    @cached_property
+    def passes(self):
+        """One row per pass and algorithm (P x A rows, pass by pass); None when the scene has no passes.
+
+        Columns: number (of the pass), target (name of the body), path, offset, orientation (as in the file), algorithm
+        (categorical); truth_first, truth_last (m, NaN for never), first, last (m before the exact first and last
+        contact, negative after; NaN for never), flicker, reported (samples; `hits` in the file), and what else it has.
+        """
+        with h5py.File(self.path) as file:
+            if "passes" not in file:
+                return None
+            columns = {}
+            for name, data in file["passes"].items():
+                if not h5py.h5ds.is_scale(data.id):
+                    columns[name] = (data.asstr() if data.dtype == object else data)[()]
+        if "hits" in columns:
+            columns["reported"] = columns.pop("hits")
+        labels, bodies = self.meta["algorithms"], np.array(self.meta["bodies"], dtype=object)
+        passes = len(columns["target"])
+        if columns["target"].dtype.kind in "ui":
+            columns["target"] = bodies[columns["target"]]
+        table = {
+            "number": np.repeat(np.arange(passes), len(labels)),
+            "algorithm": pd.Categorical.from_codes(np.tile(np.arange(len(labels)), passes), labels),
+        }
+        for name, values in columns.items():
+            table[name] = values.ravel() if values.ndim == 2 else np.repeat(values, len(labels))
+        return pd.DataFrame(table)
 
     def _columns(self, group):
         """name -> values of a group's columns, its dimensions left out; empty when there is no such group."""
@@ -97,9 +154,9 @@ class Run:
             datasets = file.get(group, {})
             return {name: data[()] for name, data in datasets.items() if not h5py.h5ds.is_scale(data.id)}
 
-    def _pairs(self, group, prefix=""):
+    def _pairs(self, group, pair="pair", offset="pair_offset"):
         with h5py.File(self.path) as file:
-            offset, pair = file[group][prefix + "pair_offset"][()], file[group][prefix + "pair"][()]
+            offset, pair = file[group][offset][()], file[group][pair][()]
         step = np.repeat(np.arange(self.meta["steps"]), np.diff(offset).astype(np.int64))
         return pd.DataFrame({"step": step, "a": pair[:, 0], "b": pair[:, 1]})
 
@@ -130,6 +187,14 @@ def load(path):
             "answers": {label: dict(file["answers"][label].attrs) for label in _names(file, "algorithm")},
         }
     return Run(path, meta)
+
+
+def _kind(shape):
+    """The kind of a mesh from its attribute `shape`: JSON of kind and parameters, or the name of a file."""
+    try:
+        return json.loads(shape)["kind"]
+    except (ValueError, KeyError, TypeError):
+        return "file"
 
 
 def _names(file, scale):

@@ -219,14 +219,15 @@ Group physics(const PhysicsRows& physics, const Sizes& n) {
 
 /// The datasets of lists of pairs, with the scale of the ragged dimension.
 void add_pairs(Group& group, const PairLists& hits, const std::string& what, const Sizes& n,
-               const std::string& prefix = "") {
-  const Dimension entry{group.path + "/" + prefix + "entry", hits.pair.size()};
+               const std::string& entry_name = "entry", const std::string& offset_name = "pair_offset",
+               const std::string& pair_name = "pair") {
+  const Dimension entry{group.path + "/" + entry_name, hits.pair.size()};
   group.datasets.push_back(bare_scale(entry, "pairs of all steps, one step after another", true));
   group.datasets.push_back(
-      viewed(group.path + "/" + prefix + "pair_offset", std::span(hits.offset), {n.boundary}, "1",
-             "the pairs of step s are entries " + prefix + "pair_offset[s] to " + prefix + "pair_offset[s + 1] - 1"));
+      viewed(group.path + "/" + offset_name, std::span(hits.offset), {n.boundary}, "1",
+             "the pairs of step s are entries " + offset_name + "[s] to " + offset_name + "[s + 1] - 1"));
   group.datasets.push_back(
-      viewed(group.path + "/" + prefix + "pair", std::span(hits.pair), {entry, n.side}, "1", what, Type::u32));
+      viewed(group.path + "/" + pair_name, std::span(hits.pair), {entry, n.side}, "1", what, Type::u32));
 }
 
 std::vector<std::uint64_t> counts(const PairLists& hits) {
@@ -247,7 +248,8 @@ Group truth(const Truth& truth, const Sizes& n) {
   add_pairs(group, truth.hits, "pairs of bodies whose surfaces meet", n);
   if (truth.lists_contained()) {
     group.attributes.push_back({"containment", std::string(text_of(truth.containment))});
-    add_pairs(group, truth.contained, "pairs of bodies of which one lies wholly inside the other", n, "contained_");
+    add_pairs(group, truth.contained, "pairs of bodies of which one lies wholly inside the other", n,
+              "contained_entry", "contained_offset", "contained_pair");
   }
   return group;
 }

@@ -299,10 +299,10 @@ class Reader {
 
   /// Lists of pairs of a group; sorted within a step, a < b < bodies.
   PairLists pairs(const std::string& group, std::uint64_t steps, std::uint64_t bodies,
-                  const std::string& prefix = "") const {
+                  const std::string& offset_name = "pair_offset", const std::string& pair_name = "pair") const {
     PairLists out;
-    out.offset = values<std::uint64_t>(group + "/" + prefix + "pair_offset", Type::u64, {steps + 1});
-    out.pair = values<Pair>(group + "/" + prefix + "pair", Type::u32, {kAny, 2});
+    out.offset = values<std::uint64_t>(group + "/" + offset_name, Type::u64, {steps + 1});
+    out.pair = values<Pair>(group + "/" + pair_name, Type::u32, {kAny, 2});
     bool sound = out.offset.front() == 0 && out.offset.back() == out.pair.size() &&
                  std::ranges::is_sorted(out.offset) &&
                  std::ranges::all_of(out.pair, [&](const Pair& pair) { return pair.a < pair.b && pair.b < bodies; });
@@ -495,7 +495,7 @@ Result read_all(const Reader& from) {
     const auto kept = containment_of(from.attribute<std::string>("/truth", "containment"));
     if (!kept || *kept == Containment::ignore) throw h5::Failure("/truth: its containment is not known");
     result.truth.containment = *kept;
-    result.truth.contained = from.pairs("/truth", steps, bodies, "contained_");
+    result.truth.contained = from.pairs("/truth", steps, bodies, "contained_offset", "contained_pair");
   }
   result.truth.time_ns = from.values<std::int64_t>("/truth/time_ns", Type::i64, {steps});
   if (from.has("/algorithm")) {

@@ -29,7 +29,7 @@ DIMENSIONS = {
     "/truth/time_ns": ["step"],
     "/truth/pair_offset": ["boundary"],
     "/truth/pair": ["entry", "side"],
-    "/truth/contained_pair_offset": ["boundary"],
+    "/truth/contained_offset": ["boundary"],
     "/truth/contained_pair": ["contained_entry", "side"],
     "/results/<>": ["step", "algorithm"],
     "/answers/<>/pair_offset": ["boundary"],

@@ -1,0 +1,130 @@
+"""What the statements ask of a run: the playground by pass and by sample, the box and falling scenes by step and in
+sum."""
+
+import tomllib
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from analysis.thresholds import MIDDLE_M, PARALLEL, THIN
+
+TURN_EPSILON = 1e-6  # of matrices and quaternions; the turns of a playground are tens of degrees
+
+
+@dataclass(frozen=True)
+class Playground:
+    """The hero's passes through the targets.
+
+    passes: as Run.passes;
+    targets: per target kind ("box", "torus", ...), thin (a slab), turn ("none"; "quarter": the axes onto axes;
+        "other") and axes (0, 1 or 2: turned about several of x, y, z);
+    samples: per step target (the nearest), truth, contained (bool; contained None when not recorded), middle (the
+        hero's centre near the target's) and through (it sticks in a slab's middle, its long axis across the slab);
+    reports: per step and label, whether that target is reported; false_negative: per label.
+    """
+
+    passes: pd.DataFrame
+    targets: pd.DataFrame
+    samples: pd.DataFrame
+    reports: pd.DataFrame
+    false_negative: pd.Series
+
+    @property
+    def labels(self):
+        return list(self.reports.columns)
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A run with dynamics. summary, per_step: as in Run; bodies: per step, how many are there; host: where it was
+    timed."""
+
+    summary: pd.DataFrame
+    per_step: pd.DataFrame
+    bodies: np.ndarray
+    host: str
+
+    @property
+    def labels(self):
+        return list(self.summary.index)
+
+
+def kind(run):
+    """The kind of scene of a Run: "box", "falling", "playground", "replay", ...; "" for a study without a scene."""
+    return tomllib.loads(run.meta["config_effective"]).get("scene", {}).get("kind", "")
+
+
+def timed(run):
+    first = run.bodies.first_step.to_numpy()
+    there = (first[None, :] >= 0) & (first[None, :] <= np.arange(run.meta["steps"])[:, None])
+    hosts = {(answers["timing_host"], answers["timing_processor"]) for answers in run.meta["answers"].values()}
+    host = " ".join(hosts.pop()) if len(hosts) == 1 else ""  # "" when algorithms were timed on different machines
+    return Timed(run.summary, run.per_step, there.sum(axis=1), host)
+
+
+def playground(run):
+    """Raises ValueError when not exactly one body moves, or there are no passes."""
+    moving = np.flatnonzero(~run.bodies.fixed.to_numpy())
+    if run.passes is None or len(moving) != 1:
+        raise ValueError(f"{run.path}: a playground has /passes and one body that moves, this has {len(moving)}")
+    hero = moving[0]
+    position, orientation = run.motion
+    fixed = np.flatnonzero(run.bodies.fixed.to_numpy())
+    away = position[:, [hero]] - position[0, fixed]
+    near = np.argmin((away**2).sum(axis=2), axis=1)
+    steps = np.arange(len(position))
+    nearest, away = fixed[near], away[steps, near]
+
+    shapes = [_shape(run.bodies.iloc[body], orientation[0, body]) for body in fixed]
+    targets = pd.DataFrame(shapes, index=pd.Index(run.bodies.index[fixed], name="target"))
+
+    size = run.bodies["size"].to_list()
+    along = rotation(orientation[:, hero])[:, :, np.argmax(size[hero])]
+    normal = np.array([rotation(orientation[0, body])[:, np.argmin(size[body])] for body in fixed])[near]
+    depth, cosine = (np.abs((vector * normal).sum(axis=1)) for vector in (away, along))
+
+    def has(pairs):
+        """Per step, whether `pairs` has the hero with the nearest target."""
+        flags = np.zeros(len(steps), dtype=bool)
+        other = np.where(pairs.a == hero, pairs.b, pairs.a)
+        mine = (other == nearest[pairs.step]) & ((pairs.a == hero) | (pairs.b == hero))
+        flags[pairs.step[mine]] = True
+        return flags
+
+    truth = has(run.truth_pairs)
+    samples = pd.DataFrame(
+        {
+            "target": run.bodies.index[nearest],
+            "truth": truth,
+            "contained": None if run.contained_pairs is None else has(run.contained_pairs),
+            "middle": (away**2).sum(axis=1) <= MIDDLE_M**2,
+            "through": truth & targets.thin.to_numpy()[near] & (cosine >= PARALLEL) & (depth <= MIDDLE_M),
+        }
+    )
+    reports = pd.DataFrame({label: has(run.pairs(label)) for label in run.meta["algorithms"]})
+    return Playground(run.passes, targets, samples, reports, run.summary.false_negative)
+
+
+def _shape(body, quaternion):
+    size, turned = np.sort(body["size"]), np.abs(rotation(quaternion))
+    # A permutation of the axes: every entry is 0 or 1.
+    quarter = np.all(np.minimum(turned, np.abs(turned - 1)) < TURN_EPSILON)
+    axes = int((np.abs(quaternion[1:]) > TURN_EPSILON).sum())
+    return {
+        "kind": body["kind"],
+        "thin": body["kind"] == "box" and size[0] <= THIN * size[2],
+        "turn": "none" if axes == 0 else "quarter" if quarter else "other",
+        "axes": min(axes, 2),
+    }
+
+
+def rotation(quaternion):
+    """(..., 4) w x y z, of unit length -> (..., 3, 3)."""
+    w, x, y, z = np.moveaxis(np.asarray(quaternion), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))

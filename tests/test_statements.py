@@ -1,0 +1,468 @@
+"""Every statement is confirmed on made-up data where it holds and refuted where it does not."""
+
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import ROOT
+
+from analysis.load import load
+from analysis.scenes import Playground, Timed, _shape, playground, rotation
+from analysis.statements import KEYS, STATEMENTS, judged, verdicts
+
+NEVER = np.nan
+
+# A playground in five lines: targets name -> (kind, thin, turn, axes); passes (target, does it touch, {key: answer}),
+# an
+# answer being first, or (first, last, reported); samples (target, flags, keys that report), a flag being a letter of
+# t(ruth),
+# c(ontained), m(iddle), x (through a slab).
+
+
+def play(targets, passes=(), samples=(), missed=None, keys="GHJKLPOIU", suffix=""):
+    labels = [KEYS[key] + suffix for key in keys]
+    rows = []
+    for target, touches, answers in passes:
+        for key, label in zip(keys, labels):
+            answer = answers.get(key, 0.0 if touches else (NEVER, NEVER, 0))
+            first, last, reported = answer if isinstance(answer, tuple) else (answer, 0.0, 5)
+            truth = 2.0 if touches else NEVER
+            rows.append((label, target, truth, truth, first, last, 0, reported))
+    columns = ["algorithm", "target", "truth_first", "truth_last", "first", "last", "flicker", "reported"]
+    flags = pd.DataFrame(
+        [(target, "t" in flag, "c" in flag, "m" in flag, "x" in flag) for target, flag, _ in samples],
+        columns=["target", "truth", "contained", "middle", "through"],
+    )
+    said = {label: [key in reporting for _, _, reporting in samples] for key, label in zip(keys, labels)}
+    return Playground(
+        pd.DataFrame(rows, columns=columns),
+        pd.DataFrame.from_dict(targets, orient="index", columns=["kind", "thin", "turn", "axes"]),
+        flags,
+        pd.DataFrame(said, index=flags.index, dtype=bool),
+        pd.Series({label: (missed or {}).get(key, 0) for key, label in zip(keys, labels)}),
+    )
+
+
+SLAB = {"slab": ("box", True, "none", 0)}
+CUBE = {"cube": ("box", False, "none", 0)}
+SLAB_90 = {"slab_90": ("box", True, "quarter", 2)}
+SLAB_45 = {"slab_45": ("box", True, "other", 2)}
+RING = {"ring": ("torus", False, "none", 0)}
+RING_45 = {"ring_45": ("torus", False, "other", 1)}
+KNOT = {"knot": ("torus_knot", False, "none", 0)}
+BALL = {"ball": ("sphere", False, "none", 0), "pill": ("capsule", False, "none", 0)}
+
+
+def through(target, *answers):
+    """Touching passes, one per answer ({key: first, ...})."""
+    return [(target, True, answer) for answer in answers]
+
+
+def ring_and_knot(keys, middle="", first=0.1, knot_middle=""):
+    """Ring and knot touched by `keys`; those of `middle` report the empty middle of the ring, of `knot_middle` the
+    knot's."""
+    return dict(
+        targets=RING | KNOT,
+        passes=[(name, True, {key: first for key in keys}) for name in ("ring", "knot")],
+        samples=[("ring", "t", keys), ("ring", "m", middle), ("knot", "t", keys), ("knot", "m", knot_middle)],
+    )
+
+
+def with_cube(data, *samples):
+    return data | {"targets": data["targets"] | CUBE, "samples": data["samples"] + list(samples)}
+
+
+def contact(target, *reporting):
+    """One contact of a sample per string of reporting keys, and a sample away from it."""
+    return [(target, "t", keys) for keys in reporting] + [(target, "", "")]
+
+
+ENDS_BADLY = (0.0, 0.06, 5)
+INVENTED = ("slab", False, {"G": (NEVER, NEVER, 1), "J": (NEVER, NEVER, 1), "O": (NEVER, NEVER, 1)})
+EARLY_O = {"O": 0.06}
+ROUND = through("ball", EARLY_O, {}, {}) + through("pill", EARLY_O, {}, {})
+
+CONFIRMED = [
+    (13, dict(targets=SLAB, passes=through("slab", {"H": 0.06}, {"H": 2.0}))),
+    (14, dict(targets=SLAB | CUBE | BALL, passes=through("slab", {"G": 0.05}) + through("ball", {"G": 1}))),
+    (15, dict(targets=RING | KNOT, samples=[("ring", "m", "G"), ("knot", "t", "G"), ("knot", "", "G")])),
+    (16, dict(targets=SLAB | SLAB_90, passes=through("slab", {}) + through("slab_90", *2 * [{"J": 0.3}], {"J": 1}))),
+    (17, dict(targets=SLAB_45, passes=through("slab_45", {"J": 0.61}, {"J": NEVER}, {"J": 0.0}))),
+    (17, dict(targets=SLAB_45, passes=through("slab_45", {"J": 0.61}, {"J": -0.31}, {"J": 0.0}))),
+    (18, ring_and_knot("K")),
+    (19, dict(targets=SLAB, passes=through("slab", {"K": 0.06}, {"K": 0.3}, {"K": 0.2}, {"K": NEVER}))),
+    (20, dict(targets=CUBE, samples=[("cube", "c", ""), ("cube", "c", ""), ("cube", "c", "K")])),
+    (21, dict(targets=SLAB, passes=through("slab", {}), samples=contact("slab", "K", "", "K"))),
+    (22, dict(targets=SLAB, samples=[("slab", "tx", "GJO")], missed={"L": 5, "G": 0, "J": 2, "O": 4})),
+    (23, dict(targets=SLAB_45 | SLAB, passes=through("slab_45", {"P": 0.06}, {}, {}) + through("slab", {"P": -9}))),
+    (24, dict(targets=SLAB | BALL, passes=through("slab", {"O": 0.05}) + ROUND)),
+    (25, dict(targets=SLAB_45, passes=through("slab_45", {"O": -0.06}, {"O": NEVER}, {"O": 0.0}))),
+    (26, dict(targets=RING_45, passes=through("ring_45", {"O": 0.3}), samples=[("ring_45", "m", "O")])),
+    (27, dict(targets=CUBE, samples=[("cube", "c", "O"), ("cube", "c", "")])),
+    (28, with_cube(ring_and_knot("I", first=-0.31), ("cube", "c", ""))),
+    (28, with_cube(ring_and_knot("I"), *contact("ring", "I", "", "I"), ("cube", "c", ""))),
+    (29, dict(targets=SLAB, passes=through("slab", {}), samples=19 * contact("slab", "IU") + contact("slab", "U"))),
+]
+REFUTED = [
+    (13, dict(targets=SLAB, passes=through("slab", {"H": 0.06}), missed={"H": 1})),
+    (13, dict(targets=SLAB, passes=through("slab", {"H": 0.06}, {"H": NEVER}))),
+    (13, dict(targets=SLAB, passes=through("slab", {"H": 0.06}, {"H": 0.05}))),
+    (13, dict(targets=SLAB, passes=through("slab", {"H": (0.06, 1e-5, 5)}))),
+    (14, dict(targets=SLAB | CUBE, passes=through("slab", {}) + through("cube", {"G": 0.06}))),
+    (14, dict(targets=SLAB | CUBE, passes=through("slab", {}) + through("cube", {"G": -0.06}))),
+    (14, dict(targets=SLAB | CUBE, passes=through("slab", {}) + through("cube", {"G": ENDS_BADLY}))),
+    (14, dict(targets=SLAB | CUBE, passes=through("slab", {}) + through("cube", {"G": NEVER}))),
+    (14, dict(targets=SLAB | CUBE, passes=through("slab", {}) + [INVENTED])),
+    (15, dict(targets=RING | KNOT, samples=[("ring", "m", ""), ("knot", "t", "G"), ("knot", "", "G")])),
+    (15, dict(targets=RING | KNOT, samples=[("ring", "m", "G"), *2 * [("knot", "t", "G")], ("knot", "", "G")])),
+    (16, dict(targets=SLAB | SLAB_90, passes=through("slab", {"J": 0.06}) + through("slab_90", {}))),
+    (16, dict(targets=SLAB | SLAB_90, passes=through("slab", {}) + through("slab_90", {"J": 0.31}))),
+    (16, dict(targets=SLAB | SLAB_90, passes=through("slab", {}) + through("slab_90", {}, {}, {"J": NEVER}))),
+    (17, dict(targets=SLAB_45, passes=through("slab_45", {"J": 0.61}, {"J": NEVER}, {"J": 0.6}, {"J": -0.3}))),
+    (17, dict(targets=SLAB_45, passes=through("slab_45", {"J": 0.61}, {"J": 0.61}))),
+    (17, dict(targets=SLAB_45, passes=through("slab_45", {"J": NEVER}))),
+    (18, ring_and_knot("K", middle="K")),
+    (18, ring_and_knot("K", knot_middle="K")),
+    (18, ring_and_knot("K", first=NEVER)),
+    (19, dict(targets=SLAB, passes=through("slab", {"K": 0.05}, {"K": 0.04}, {"K": 0.2}))),
+    (19, dict(targets=SLAB, passes=through("slab", {"K": 0.31}))),
+    (19, dict(targets=SLAB, passes=through("slab", {"K": 0.2}, {"K": 0.2}, {"K": 0.61}))),
+    (19, dict(targets=SLAB, passes=through("slab", {"K": NEVER}))),
+    (20, dict(targets=CUBE, samples=[("cube", "c", "K"), ("cube", "c", "")])),
+    (21, dict(targets=SLAB, passes=through("slab", {}), samples=contact("slab", "", "K", "K", ""))),
+    (21, dict(targets=SLAB, passes=through("slab", {}), samples=contact("slab", "K") + contact("slab", "K"))),
+    (21, dict(targets=SLAB, passes=through("slab", {}), samples=contact("slab", ""))),
+    (22, dict(targets=SLAB, samples=[("slab", "tx", "L")], missed={"L": 5, "O": 4})),
+    (22, dict(targets=SLAB, samples=[("slab", "tx", "")], missed={"L": 5, "O": 5})),
+    (23, dict(targets=SLAB_45, passes=through("slab_45", {"P": 0.06}, {}, {}, {}))),
+    (23, dict(targets=SLAB_45, passes=through("slab_45", {"P": 0.06}, {"P": NEVER}))),
+    (24, dict(targets=SLAB | BALL, passes=through("slab", {"O": 0.06}) + ROUND)),
+    (24, dict(targets=SLAB | BALL, passes=through("slab", {}) + ROUND + 2 * through("ball", {}))),
+    (24, dict(targets=SLAB | BALL, passes=through("slab", {}) + ROUND + 2 * through("pill", {}))),
+    (25, dict(targets=SLAB_45, passes=through("slab_45", {"O": -0.06}, {"O": -0.05}))),
+    (25, dict(targets=SLAB_45, passes=through("slab_45", {"O": 2.0}))),
+    (26, dict(targets=RING_45, passes=through("ring_45", {"O": 0.31}), samples=[("ring_45", "m", "O")])),
+    (26, dict(targets=RING_45, passes=through("ring_45", {}), samples=[("ring_45", "m", "")])),
+    (27, dict(targets=CUBE, samples=[("cube", "c", "O")])),
+    (28, with_cube(ring_and_knot("I", first=-0.31, middle="I"), ("cube", "c", ""))),
+    (28, with_cube(ring_and_knot("I", first=-0.3), ("cube", "c", ""))),
+    (28, with_cube(ring_and_knot("I", first=-0.31), ("cube", "c", "I"))),
+    (29, dict(targets=SLAB, passes=through("slab", {}), samples=18 * contact("slab", "IU") + contact("slab", "I"))),
+]
+NOT_TESTABLE = [
+    (13, dict(targets=SLAB), "no pass touches"),
+    (14, dict(targets=RING, passes=through("ring", {})), "no unturned slab or cube"),
+    (15, dict(targets=RING, samples=[("ring", "m", "G")]), "no knot"),
+    (18, dict(targets=RING | KNOT, passes=through("ring", {}), samples=[("ring", "t", "")]), "no sample in the ring"),
+    (20, dict(targets=CUBE, samples=[("cube", "t", "K")]), "one body inside another"),
+    (22, dict(targets=SLAB, samples=[("slab", "t", "")]), "through a slab"),
+    (29, dict(targets=SLAB, samples=[("slab", "t", "G")]), "neither reports"),
+    (29, dict(targets=SLAB, samples=[("slab", "t", "I")], keys="I"), "no answers of facet_rotations"),
+]
+
+
+def verdict(number, **scenes):
+    assert STATEMENTS[number - 1].number == number
+    return judged(STATEMENTS[number - 1], scenes)
+
+
+@pytest.mark.parametrize("number, data", CONFIRMED)
+def test_confirms(number, data):
+    found = verdict(number, playground=play(**data))
+    assert found.verdict == "confirmed", found.figures
+    assert found.figures
+
+
+@pytest.mark.parametrize("number, data", REFUTED)
+def test_refutes(number, data):
+    found = verdict(number, playground=play(**data))
+    assert found.verdict == "refuted", found.figures
+    assert found.figures
+
+
+@pytest.mark.parametrize("number, data, why", NOT_TESTABLE)
+def test_says_what_is_missing(number, data, why):
+    found = verdict(number, playground=play(**data))
+    assert found.verdict.startswith("not testable: ") and why in found.verdict
+
+
+def test_contained_pairs_that_were_not_recorded_are_not_none():
+    scene = play(targets=CUBE, samples=[("cube", "t", "K")])
+    scene.samples["contained"] = None
+    assert "does not record contained pairs" in verdict(20, playground=scene).verdict
+
+
+# Times and counts. A scene of four steps, its algorithms' mean times and hits as given.
+
+
+def timed(mean=None, hits=None, time_ns=None, bodies=(10, 10, 10, 10), host="one"):
+    """mean: a string of keys, each 10 times slower than the one before, or key -> ns; hits, time_ns: key -> per
+    step."""
+    if isinstance(mean, str):
+        mean = {key: 10.0**place for place, key in enumerate(mean)}
+    labels = list(KEYS.values())
+    per_step = []
+    for key, label in KEYS.items():
+        for step in range(len(bodies)):
+            said = (hits or {}).get(key, [1] * len(bodies))[step]
+            per_step.append((step, label, said, (time_ns or {}).get(key, [1] * len(bodies))[step]))
+    per_step = pd.DataFrame(per_step, columns=["step", "algorithm", "hits", "time_ns"])
+    summary = pd.DataFrame(
+        {
+            "time_mean_ns": [(mean or {}).get(key, 1.0) for key in KEYS],
+            "hits": per_step.groupby("algorithm").hits.sum()[labels].to_numpy(),
+        },
+        index=labels,
+    )
+    return Timed(summary, per_step, np.array(bodies), host)
+
+
+BOX, FALLING = "HGJOLIPUK", "GHJOLUIPK"
+SLOW = {key: 2.0 for key in KEYS}
+UP, DOWN, FLAT = [1, 2, 3, 4], [4, 3, 2, 1], [7, 9, 9, 7]
+GROWING = (10, 20, 40, 80)
+SQUARES, LINES = [100, 400, 1600, 6400], [10, 20, 40, 80]
+
+TIMED = [
+    (1, dict(box=timed(BOX)), True),
+    (1, dict(box=timed(FALLING)), False),
+    (2, dict(falling=timed(FALLING)), True),
+    (2, dict(falling=timed(BOX)), False),
+    (3, dict(box=timed(BOX), falling=timed(FALLING)), True),
+    (3, dict(box=timed(BOX), falling=timed("GHOJLUIPK")), False),
+    (3, dict(box=timed("HGJOILPUK"), falling=timed(FALLING)), False),
+    (4, dict(box=timed(), falling=timed(SLOW)), True),
+    (4, dict(box=timed(), falling=timed(SLOW | {"K": 1.0})), False),
+    (5, dict(box=timed({"K": 5.9}), falling=timed({"K": 11.9})), True),
+    (5, dict(box=timed({"K": 4.1}), falling=timed({"K": 7.3})), True),
+    (5, dict(box=timed({"K": 6.1}), falling=timed({"K": 10.0})), False),
+    (5, dict(box=timed({"K": 5.0}), falling=timed({"K": 12.1})), False),
+    (5, dict(box=timed({"K": 5.0}), falling=timed({"K": 7.1})), False),
+    (6, dict(box=timed({"I": 1.25}), falling=timed({"U": 1.25})), True),
+    (6, dict(box=timed({"I": 1.0}), falling=timed({"U": 1.26})), False),
+    (7, dict(falling=timed(hits=dict.fromkeys("GHOL", UP), time_ns=dict.fromkeys("GHO", FLAT) | {"L": DOWN})), True),
+    (7, dict(falling=timed(hits=dict.fromkeys("GHOL", UP), time_ns=dict.fromkeys("GHO", FLAT) | {"L": UP})), False),
+    (8, dict(box=timed(bodies=GROWING, time_ns=dict.fromkeys("LJ", SQUARES))), True),
+    (8, dict(box=timed(bodies=GROWING, time_ns={"L": SQUARES, "J": LINES})), False),
+    (9, dict(box=timed(hits={"H": UP}), falling=timed(hits={"H": UP})), True),
+    (9, dict(box=timed(hits={"H": UP}), falling=timed(hits={"H": UP, "J": UP})), False),
+    (10, dict(falling=timed(hits={"I": [1, 0, 1, 1]})), True),
+    (10, dict(falling=timed(hits={"I": [1, 0, 1, 1], "U": [0, 1, 1, 1]})), False),
+    (11, dict(falling=timed(hits={"I": [20, 20, 20, 20], "U": [21, 21, 20, 19]})), True),
+    (11, dict(falling=timed(hits={"I": [20, 20, 20, 20], "U": [22, 22, 20, 19]})), False),
+    (12, dict(box=timed(hits={"G": [20, 20, 20, 20], "L": [21, 21, 20, 19]})), True),
+    (12, dict(box=timed(hits={"G": [20, 20, 20, 20], "L": [22, 22, 20, 19]})), False),
+]
+
+
+@pytest.mark.parametrize("number, scenes, holds", TIMED)
+def test_judges_times_and_counts(number, scenes, holds):
+    found = verdict(number, **scenes)
+    assert found.verdict == ("confirmed" if holds else "refuted"), found.figures
+    assert found.figures
+
+
+def test_times_of_different_machines_are_not_compared():
+    found = verdict(4, box=timed(), falling=timed(SLOW, host="other"))
+    assert found.verdict == "not testable: the two scenes were timed on different machines"
+
+
+def test_few_bodies_tell_no_growth():
+    assert "does not double" in verdict(8, box=timed(bodies=(2, 4, 8, 9))).verdict
+
+
+def test_every_statement_can_be_confirmed_and_refuted():
+    assert [statement.number for statement in STATEMENTS] == list(range(1, 30))
+    either = [{number for number, *_ in table} for table in (CONFIRMED, REFUTED)]
+    for known, table in zip((True, False), either):
+        assert table | {number for number, _, holds in TIMED if holds is known} == set(range(1, 30))
+
+
+def test_without_files_nothing_is_testable():
+    found = verdicts({})
+    assert len(found) == 29
+    assert all(each.verdict.startswith("not testable: no file of a ") for each in found)
+
+
+def test_the_careful_form_is_judged_beside_the_published_one():
+    scene, careful = (
+        play(targets=SLAB, passes=through("slab", {"K": first}), suffix=suffix)
+        for first, suffix in ((0.2, ""), (0.4, "_careful"))
+    )
+    both = Playground(
+        pd.concat([scene.passes, careful.passes]), scene.targets, scene.samples,
+        pd.concat([scene.reports, careful.reports], axis=1), pd.concat([scene.false_negative, careful.false_negative]),
+    )  # fmt: skip
+    found = {each.variant: each.verdict for each in verdicts({"playground": both}) if each.number == 19}
+    assert found == {"": "confirmed", "careful": "refuted"}
+
+
+# From poses to targets and samples.
+
+HALF = np.sqrt(0.5)
+
+
+@pytest.mark.parametrize(
+    "quaternion, turn, axes",
+    [
+        ([1, 0, 0, 0], "none", 0),
+        ([HALF, HALF, 0, 0], "quarter", 1),
+        ([0.5, 0.5, -0.5, 0.5], "quarter", 2),
+        ([np.cos(np.pi / 8), 0, np.sin(np.pi / 8), 0], "other", 1),
+        ([0.5**0.5, 0.5, 0, 0.5], "other", 2),
+    ],
+)
+def test_a_turn_is_told_from_its_quaternion(quaternion, turn, axes):
+    shape = _shape({"kind": "box", "size": np.array([6.0, 1.0, 6.0])}, np.array(quaternion, dtype=float))
+    assert shape == {"kind": "box", "thin": True, "turn": turn, "axes": axes}
+
+
+def test_a_cube_and_a_ring_are_no_slabs():
+    for kind, size in (("box", [7.0, 7.0, 7.0]), ("torus", [7.0, 1.0, 7.0])):
+        assert not _shape({"kind": kind, "size": np.array(size)}, np.array([1.0, 0, 0, 0]))["thin"]
+
+
+def test_rotation_turns_x_to_y():
+    np.testing.assert_allclose(rotation([[HALF, 0, 0, HALF]])[0] @ [1, 0, 0], [0, 1, 0], atol=1e-15)
+
+
+# From a file to the table. The hero, a rod along x, passes along x through a ring that it never touches and then into
+# a cube.
+
+STEPS = 9
+RING_AT, CUBE_AT = 0.0, 100.0
+PLACES = [-3.0, -0.4, 0.4, 3.0, 97.0, 98.0, 100.0, 102.0, 103.0]
+TOUCHES, INSIDE = (5, 7), (6,)
+
+
+@pytest.fixture
+def playground_file(tmp_path):
+    path = tmp_path / "playground.h5"
+    text = h5py.string_dtype()
+    with h5py.File(path, "w") as file:
+        file.attrs["schema_version"] = 1
+        file["step"] = np.arange(STEPS)
+        file["time"] = np.arange(STEPS) / 60
+        file["time"].attrs["rate"] = 60.0
+        file["config"] = ""
+        file["config"].attrs["effective"] = '[scene]\nkind = "playground"\n'
+        file.create_group("run")
+        file.create_dataset("body", data=["ring", "hero", "cube"], dtype=text)
+        file.create_dataset("algorithm", data=list(KEYS.values()), dtype=text)
+        file.create_dataset("bodies/mesh", data=["torus", "rod", "cube"], dtype=text)
+        file["bodies/fixed"] = np.array([1, 0, 1], dtype=np.uint8)
+        file["bodies/first_step"] = [0, 0, 0]
+        torus, box = '{"kind":"torus"}', '{"kind":"box"}'
+        for name, shape, size in (("torus", torus, (1, 7, 7)), ("rod", "rod.obj", (3, 1, 1)), ("cube", box, (7, 7, 7))):
+            file[f"meshes/{name}/vertices"] = np.array([size, size]) * [[-0.5], [0.5]]
+            file[f"meshes/{name}"].attrs["shape"] = shape
+        position = np.zeros((STEPS, 3, 3))
+        position[:, :, 0] = np.stack([np.full(STEPS, RING_AT), PLACES, np.full(STEPS, CUBE_AT)], axis=1)
+        file["motion/position"] = position
+        file["motion/orientation"] = np.tile([1.0, 0, 0, 0], (STEPS, 3, 1))
+
+        def pairs(group, steps, prefix="pair_", name="pair"):
+            there = np.zeros(STEPS, dtype=int)
+            there[list(steps)] = 1
+            file[f"{group}/{prefix}offset"] = np.r_[0, np.cumsum(there)]
+            file[f"{group}/{name}"] = np.array([(0, 1) if PLACES[s] < 50 else (1, 2) for s in steps]).reshape(-1, 2)
+
+        pairs("truth", TOUCHES)
+        pairs("truth", INSIDE, "contained_", "contained_pair")
+        for label in KEYS.values():
+            pairs(f"answers/{label}", (1, 2, 5, 6, 7) if label in ("obb_sat", "bounding_sphere") else TOUCHES)
+            file[f"answers/{label}"].attrs["name"] = label
+        file["summary/false_negative"] = np.zeros(len(KEYS))
+        file["summary/promise_kept"] = np.ones(len(KEYS), dtype=np.uint8)
+        file["passes/target"] = np.array([0, 2], dtype=np.uint32)
+        file["passes/truth_first"], file["passes/truth_last"] = [NEVER, 98.0], [NEVER, 102.0]
+        file["passes/first"], file["passes/last"] = np.tile([[NEVER], [0.0]], (2, 1, len(KEYS)))
+        file["passes/flicker"] = np.zeros((2, len(KEYS)), dtype=int)
+        file["passes/hits"] = np.tile([[0], [2]], (1, len(KEYS)))
+    return path
+
+
+def statements(*paths):
+    command = [sys.executable, "-m", "analysis", "statements", *map(str, paths)]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+
+
+def test_the_command_prints_a_line_for_each_statement(playground_file):
+    done = statements(playground_file)
+    assert done.returncode == 0, done.stderr
+    lines = {line.split()[0]: line for line in done.stdout.splitlines()}
+    assert list(lines) == ["no."] + [str(number) for number in range(1, 30)]
+    assert "  not testable  no file of a box scene was given  " in lines["1"]
+    assert "refuted" in lines["13"] and "early 0;" in lines["13"]
+    assert "confirmed" in lines["14"] and "touching 1; worst m 0;" in lines["14"]
+    assert "  not testable  the file has no knot  " in lines["15"]
+    assert "confirmed" in lines["20"] and "reports inside 0 " in lines["20"]
+    assert lines["29"].endswith("U answers practically as I does.") and "confirmed" in lines["29"]
+
+
+def test_the_nearest_target_and_the_middle_are_found_from_the_motion(playground_file):
+    scene = playground(load(playground_file))
+    assert list(scene.samples.target) == ["ring"] * 4 + ["cube"] * 5
+    assert list(np.flatnonzero(scene.samples.middle)) == [1, 2, 6]
+    assert list(np.flatnonzero(scene.samples.truth)) == list(TOUCHES)
+    assert list(np.flatnonzero(scene.samples.contained)) == list(INSIDE)
+    assert list(np.flatnonzero(scene.reports.obb_sat)) == [1, 2, 5, 6, 7]
+    assert not scene.samples.through.any()
+    assert list(scene.targets.kind) == ["torus", "box"]
+
+
+def test_a_slab_that_the_hero_sticks_in_is_found_from_the_motion(playground_file):
+    with h5py.File(playground_file, "r+") as file:
+        file["meshes/cube/vertices"][:, 0] = [-0.5, 0.5]
+        file["motion/position"][5, 1, 0] = 99.6
+    scene = playground(load(playground_file))
+    assert list(np.flatnonzero(scene.samples.through)) == [5]  # of the touching samples, one within 0.5 m
+
+
+def test_passes_name_their_targets_and_algorithms(playground_file):
+    table = load(playground_file).passes
+    assert len(table) == 2 * len(KEYS)
+    assert list(table.target) == ["ring"] * len(KEYS) + ["cube"] * len(KEYS)
+    assert list(table.algorithm) == 2 * list(KEYS.values())
+    assert table.truth_first.isna().sum() == len(KEYS)
+    assert list(table.reported.unique()) == [0, 2]
+
+
+def test_two_files_of_one_kind_are_refused(playground_file):
+    done = statements(playground_file, playground_file)
+    assert (done.returncode, done.stdout) == (4, "")
+    assert done.stderr == f"{playground_file}: is a second file of a playground scene\n"
+
+
+@pytest.mark.parametrize("content", [None, b"", b"not HDF5", "empty"])
+def test_what_is_no_result_is_one_line_and_code_4(tmp_path, content):
+    path = tmp_path / "other.h5"
+    if content == "empty":
+        h5py.File(path, "w").close()
+    elif content is not None:
+        path.write_bytes(content)
+    done = statements(path)
+    assert (done.returncode, done.stdout) == (4, "")
+    assert done.stderr.count("\n") == 1 and str(path) in done.stderr
+
+
+def test_a_file_of_another_scene_is_refused(playground_file):
+    with h5py.File(playground_file, "r+") as file:
+        file["config"].attrs["effective"] = '[scene]\nkind = "replay"\n'
+    done = statements(playground_file)
+    assert (done.returncode, done.stdout) == (4, "")
+    assert "is of a replay scene; the statements are about box, falling, playground" in done.stderr
+
+
+def test_a_playground_without_passes_is_refused(playground_file):
+    with h5py.File(playground_file, "r+") as file:
+        del file["passes"]
+    done = statements(playground_file)
+    assert done.returncode == 4 and "/passes" in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_the_grammar_is_code_2():
+    assert statements().returncode == 2
