@@ -59,6 +59,7 @@ struct Aabb {
 
   void prepare(std::span<const Pose> poses, double enlarge) {
     for (std::size_t body = 0; body < poses.size(); ++body) {
+      if (!geometry::is_born(poses[body])) continue;  // takes part in no pair: must not cost time
       const Pose& pose = poses[body];
       const Mat3 r = geometry::rotation(pose.q);
       const Vertices& v = vertices[mesh[body]];

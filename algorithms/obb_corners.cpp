@@ -79,6 +79,7 @@ struct ObbCorners {
 
   void prepare(std::span<const Pose> poses, double) {
     for (std::size_t body = 0; body < poses.size(); ++body) {
+      if (!geometry::is_born(poses[body])) continue;  // takes part in no pair: must not cost time
       const Vec3 &t = poses[body].t, &h = half[body];
       const TurnXyz turn = geometry::turn_xyz(geometry::euler_angles(poses[body].q));
       TurnedBox& box = boxes[body];

@@ -40,6 +40,7 @@ struct RotatedAabb {
 
   void prepare(std::span<const Pose> poses, double) {
     for (std::size_t body = 0; body < poses.size(); ++body) {
+      if (!geometry::is_born(poses[body])) continue;  // takes part in no pair: must not cost time
       const geometry::Vec3 extents = turned_extents(half[body], geometry::euler_angles(poses[body].q));
       x[body] = poses[body].t.x();
       y[body] = poses[body].t.y();

@@ -236,6 +236,10 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   if (root.has("steps")) config.steps_place = root.place("steps");
   config.rate_given = root.has("rate");
   read_scene(root, config);
+  if (config.scene_kind->steps) {
+    const std::int64_t all = config.scene_kind->steps(config);
+    config.steps = root.integer("steps", all, 1, all);
+  }
   read_physics(root.section("physics"), config);
   config.containment = containment(root.section("truth"));
   config.repeats = root.section("timing").only({"repeats"}).integer("repeats", config.repeats, 1, kMostRepeats);

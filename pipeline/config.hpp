@@ -37,6 +37,51 @@ struct FallingScene {
   std::vector<FallingSet> sets;            // the thesis's three when the configuration names none
 };
 
+/// kind = "box": spheres are born one by one in a closed cube and pushed again and again.
+struct BoxScene {
+  std::int64_t segments = 16;  // of the sphere's mesh
+  double radius = 0.5;         // m
+  double density = 1000;       // kg/m^3
+  double half_width = 5;       // of the room inside, m
+  double thickness = 1;        // of the six plates around it, m
+  struct {
+    std::int64_t count = 80, from = 0, every = 5;  // steps; every 0: all at once
+  } births;
+  struct {
+    std::int64_t from = 50, every = 50;                           // steps
+    double speed = 5;                                             // m/s, added to the velocity; 0: no pushes
+    std::vector<std::string> directions{"+x", "-x", "+z", "-z"};  // of each sphere's own frame, in turn
+  } push;
+};
+
+/// One obstacle of the playground. Where it stands follows from all of them.
+struct PlaygroundObstacle {
+  std::string name;
+  Shape shape;
+  geometry::Quaternion orientation;
+};
+
+/// One straight path of the hero, taken through each of `targets`.
+struct PlaygroundPath {
+  enum class Hero { along, across, given };
+
+  std::string name;                  // of an axis: "x", "y" or "z"
+  std::vector<std::string> targets;  // names of obstacles
+  std::optional<int> axis;           // 0 to 2: parallel to it, from end to end of what bounding spheres reach, and 1 m
+  double offset = 0;                 // m, along the axis after `axis`
+  geometry::Vec3 from = geometry::Vec3::Zero(), to = geometry::Vec3::Zero();  // m, from the target; without an axis
+  Hero hero = Hero::along;           // its own y axis lies along `axis`, or along the second axis after it, or as given
+  geometry::Quaternion orientation;  // as given
+};
+
+/// kind = "playground": the hero passes through obstacles on straight paths.
+struct PlaygroundScene {
+  double step = 0.25;                         // m, at most, from sample to sample
+  Shape hero = CapsuleShape{3, 0.6, 0.6};     // the thesis's
+  std::vector<PlaygroundObstacle> obstacles;  // the thesis's eleven when the configuration names none
+  std::vector<PlaygroundPath> paths;          // the twelve when the configuration names none
+};
+
 struct ReplayInputs;  // pipeline/scene_replay.cpp: what the files hold
 
 /// One body of a replayed scene.
@@ -45,9 +90,9 @@ struct ReplayBody {
   std::string mesh;            // file as written; empty: a shape
   std::optional<Shape> shape;  // else the mesh
   bool fixed = false;
-  std::optional<std::array<double, 3>> position;   // m; of fixed bodies, when it is not in the CSV
-  std::array<double, 4> orientation{1, 0, 0, 0};   // w x y z, as written
-  std::string place;                               // of mesh or shape, for messages
+  std::optional<std::array<double, 3>> position;  // m; of fixed bodies, when it is not in the CSV
+  std::array<double, 4> orientation{1, 0, 0, 0};  // w x y z, as written
+  std::string place;                              // of mesh or shape, for messages
 };
 
 /// kind = "replay": bodies and poses from files. Paths are relative to the configuration's folder.
@@ -77,25 +122,26 @@ struct Config {
   std::string effective;  // the whole configuration after defaults and --set, as TOML; reading it gives this Config
   std::string title;
   std::int64_t seed = 1;
-  std::int64_t steps = 600;  // samples, step 0 included
-  double rate = 60;          // samples per second
-  const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
-  std::variant<FallingScene, ReplayScene> scene;  // of that kind
-  Physics physics;                        // only when the scene is integrated
+  std::int64_t steps = 600;                                                  // samples, step 0 included
+  double rate = 60;                                                          // samples per second
+  const SceneKind* scene_kind = nullptr;                                     // a row of scene_kinds()
+  std::variant<FallingScene, BoxScene, PlaygroundScene, ReplayScene> scene;  // of that kind
+  Physics physics;                                                           // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;
   std::int64_t repeats = 3;
   std::vector<AlgorithmChoice> algorithms;
 
   // Of scenes that name files:
-  std::string steps_place;                    // where steps was written; empty: it was not
+  std::string steps_place;  // where steps was written; empty: it was not
   bool rate_given = false;
   std::map<std::string, std::string> inputs;  // every file read, as written -> its SHA-256
   std::vector<std::string> notes;             // what should be said of them, one line each
 };
 
-/// Reads and validates, the files that the scene names included; steps and rate that are not given become theirs. `sets` are --set arguments, "dotted.key=TOML value" (a bare word is taken as a string).
-/// Throws Error(kInput) with file:line:column (or the --set), the value, the rule and the nearest known key.
+/// Reads and validates, the files that the scene names included; steps and rate that are not given become theirs.
+/// `sets` are --set arguments, "dotted.key=TOML value" (a bare word is taken as a string). Throws Error(kInput) with
+/// file:line:column (or the --set), the value, the rule and the nearest known key.
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets = {});
 
 /// Reads TOML text as if from `path`, and no file that it names. For tests and for configurations kept in result files.

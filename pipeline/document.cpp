@@ -283,6 +283,20 @@ std::string Section::choice(std::string_view key, const std::string& preset,
   refuse(key, rule, meant.empty() ? "" : "did you mean '" + meant + "'?");
 }
 
+std::vector<std::string> Section::choices(std::string_view key, const std::vector<std::string>& preset,
+                                          const std::vector<std::string>& known) const {
+  if (!has(key)) return preset;
+  const toml::array* array = node(key)->as_array();
+  if (!array || array->empty()) refuse(key, "be an array of at least one text, each " + alternatives(known));
+  std::vector<std::string> out;
+  for (const toml::node& entry : *array) {
+    if (!entry.is_string() || std::ranges::find(known, entry.as_string()->get()) == known.end())
+      refuse_node(std::string(key) + '.' + std::to_string(out.size()), entry, "be " + alternatives(known));
+    out.push_back(entry.as_string()->get());
+  }
+  return out;
+}
+
 std::vector<std::string> Section::texts(std::string_view key) const {
   std::vector<std::string> out;
   if (!has(key)) return out;
@@ -347,6 +361,27 @@ void Section::reals(std::string_view key, std::span<double> values, const Range&
     refuse(key, "be an array of " + std::to_string(values.size()) + " numbers");
   for (std::size_t i = 0; i < values.size(); ++i)
     values[i] = real_of(std::string(key) + '.' + std::to_string(i), *array->get(i), range);
+}
+
+std::vector<std::pair<std::string, double>> Section::named_reals(std::string_view key,
+                                                                 const std::vector<std::string>& known,
+                                                                 const Range& range) const {
+  std::vector<std::pair<std::string, double>> out;
+  if (!has(key)) return out;
+  const std::string rule = "be an array of [" + alternatives(known) + ", number]";
+  const toml::array* array = node(key)->as_array();
+  if (!array) refuse(key, rule);
+  for (const toml::node& entry : *array) {
+    const std::string name = std::string(key) + '.' + std::to_string(out.size());
+    const toml::array* two = entry.as_array();
+    if (!two || two->size() != 2 || !two->get(0)->is_string())
+      refuse_node(name, entry, "be [" + alternatives(known) + ", number]");
+    const std::string& word = two->get(0)->as_string()->get();
+    if (std::ranges::find(known, word) == known.end())
+      refuse_node(name + ".0", *two->get(0), "be " + alternatives(known));
+    out.emplace_back(word, real_of(name + ".1", *two->get(1), range));
+  }
+  return out;
 }
 
 std::optional<Document::Scalar> Section::scalar(std::string_view key) const {

@@ -85,6 +85,9 @@ class Section {
 
   std::string text(std::string_view key, const std::string& preset) const;
   std::string choice(std::string_view key, const std::string& preset, const std::vector<std::string>& known) const;
+  /// An array, not empty, of members of `known`.
+  std::vector<std::string> choices(std::string_view key, const std::vector<std::string>& preset,
+                                   const std::vector<std::string>& known) const;
   /// An array of texts; empty when it is absent.
   std::vector<std::string> texts(std::string_view key) const;
   bool boolean(std::string_view key, bool preset) const;
@@ -94,6 +97,9 @@ class Section {
   /// Arrays of exactly so many; `values` are presets before and the answer after.
   void integers(std::string_view key, std::span<std::int64_t> values, std::int64_t least, std::int64_t most) const;
   void reals(std::string_view key, std::span<double> values, const Range& range) const;
+  /// An array of [member of `known`, number]; none when it is absent.
+  std::vector<std::pair<std::string, double>> named_reals(std::string_view key, const std::vector<std::string>& known,
+                                                          const Range& range) const;
   /// The value as it is; empty when it is absent, a date, an array or a table.
   std::optional<Document::Scalar> scalar(std::string_view key) const;
 

@@ -1,6 +1,7 @@
 // The file's contents as README's "The file" lists them, group by group.
 #include "pipeline/layout.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <concepts>
@@ -150,6 +151,10 @@ Group bodies(const Result& result, const Sizes& n) {
   group.datasets.push_back(viewed("/bodies/fixed", std::span(all.fixed), {n.body}, "1", "1 when the body never moves"));
   group.datasets.push_back(viewed("/bodies/first_step", std::span(result.first_step), {n.body}, "1",
                                   "step at which the body is born; -1: never"));
+  std::vector<std::uint64_t> born;
+  for (const auto& poses : result.motion)
+    born.push_back(static_cast<std::uint64_t>(std::ranges::count_if(poses, geometry::is_born)));
+  group.datasets.push_back(owning("/bodies/born", born, {n.step}, "1", "bodies that are there, fixed ones included"));
   if (!all.chosen.empty())
     group.datasets.push_back(viewed("/bodies/chosen", std::span(all.chosen), {n.body}, "1",
                                     "only pairs with a body that has 1 here were asked about"));
@@ -219,15 +224,14 @@ Group physics(const PhysicsRows& physics, const Sizes& n) {
 
 /// The datasets of lists of pairs, with the scale of the ragged dimension.
 void add_pairs(Group& group, const PairLists& hits, const std::string& what, const Sizes& n,
-               const std::string& entry_name = "entry", const std::string& offset_name = "pair_offset",
-               const std::string& pair_name = "pair") {
-  const Dimension entry{group.path + "/" + entry_name, hits.pair.size()};
+               const std::string& prefix = "") {
+  const Dimension entry{group.path + "/" + prefix + "entry", hits.pair.size()};
+  const std::string offset = prefix.empty() ? "pair_offset" : prefix + "offset";
   group.datasets.push_back(bare_scale(entry, "pairs of all steps, one step after another", true));
+  group.datasets.push_back(viewed(group.path + "/" + offset, std::span(hits.offset), {n.boundary}, "1",
+                                  "the pairs of step s are entries " + offset + "[s] to " + offset + "[s + 1] - 1"));
   group.datasets.push_back(
-      viewed(group.path + "/" + offset_name, std::span(hits.offset), {n.boundary}, "1",
-             "the pairs of step s are entries " + offset_name + "[s] to " + offset_name + "[s + 1] - 1"));
-  group.datasets.push_back(
-      viewed(group.path + "/" + pair_name, std::span(hits.pair), {entry, n.side}, "1", what, Type::u32));
+      viewed(group.path + "/" + prefix + "pair", std::span(hits.pair), {entry, n.side}, "1", what, Type::u32));
 }
 
 std::vector<std::uint64_t> counts(const PairLists& hits) {
@@ -248,8 +252,7 @@ Group truth(const Truth& truth, const Sizes& n) {
   add_pairs(group, truth.hits, "pairs of bodies whose surfaces meet", n);
   if (truth.lists_contained()) {
     group.attributes.push_back({"containment", std::string(text_of(truth.containment))});
-    add_pairs(group, truth.contained, "pairs of bodies of which one lies wholly inside the other", n,
-              "contained_entry", "contained_offset", "contained_pair");
+    add_pairs(group, truth.contained, "pairs of bodies of which one lies wholly inside the other", n, "contained_");
   }
   return group;
 }
@@ -320,6 +323,37 @@ Group summary(const Result& result, const Sizes& n) {
   return group;
 }
 
+Group passes(const Passes& passes, const Sizes& n) {
+  const Dimension pass{"/passes/pass", passes.rows.size()};
+  Group group{"/passes", {}, {}};
+  auto& datasets = group.datasets;
+  datasets.push_back(bare_scale(pass, "straight passes of the hero through an obstacle"));
+  const auto name = [](const auto& column) { return std::string("/passes/") + column.name; };
+  for (const auto& column : kPassTexts) {
+    std::vector<std::string> values;
+    for (const PassRow& row : passes.rows) values.push_back(row.*column.member);
+    datasets.push_back(texts(name(column), std::move(values), {pass}, column.long_name));
+  }
+  const auto add_rows = [&]<typename T>(const Column<PassRow, T>& column) {
+    std::vector<T> values;
+    for (const PassRow& row : passes.rows) values.push_back(row.*column.member);
+    datasets.push_back(owning(name(column), values, {pass}, column.units, column.long_name));
+  };
+  const auto add_table = [&]<typename T>(const Column<PassAnswers, std::vector<T>>& column) {
+    const std::size_t algorithms = passes.answers.size();
+    std::vector<T> table(pass.size * algorithms);
+    for (std::size_t a = 0; a < algorithms; ++a)
+      for (std::size_t p = 0; p < pass.size; ++p) table[p * algorithms + a] = (passes.answers[a].*column.member)[p];
+    datasets.push_back(owning(name(column), table, {pass, n.algorithm}, column.units, column.long_name));
+  };
+  for (const auto& column : kPassCounts) add_rows(column);
+  for (const auto& column : kPassReals) add_rows(column);
+  if (passes.answers.empty()) return group;
+  for (const auto& column : kPassAnswerReals) add_table(column);
+  for (const auto& column : kPassAnswerCounts) add_table(column);
+  return group;
+}
+
 Group run(const Provenance& from) {
   return {"/run",
           {{"date", from.date}, {"host", from.host}, {"processor", from.processor}, {"wall_time_s", from.wall_time_s}},
@@ -364,6 +398,7 @@ std::vector<Group> layout(const Result& result) {
     for (const Answers& one : result.answers) groups.push_back(answers(one, n));
     groups.push_back(summary(result, n));
   }
+  if (result.passes) groups.push_back(passes(*result.passes, n));
   groups.push_back(run(result.provenance));
   return groups;
 }

@@ -126,4 +126,27 @@ inline constexpr Column<Summary, double> kSummaryReals[] = {
     {"time_median_ns", &Summary::time_median_ns, "ns", "median over steps of the fastest repeat"},
     {"time_p95_ns", &Summary::time_p95_ns, "ns", "95th percentile over steps of the fastest repeat"}};
 
+inline constexpr Column<PassRow, std::string> kPassTexts[] = {
+    {"target", &PassRow::target, "1", "body that the hero passes through"},
+    {"path", &PassRow::path, "1", "name of the path: x, y and z are straight along that axis"},
+    {"orientation", &PassRow::orientation, "1",
+     "the hero's own y axis lies along the path, or across: along the second axis after the path's; or as given"}};
+inline constexpr Column<PassRow, double> kPassReals[] = {
+    {"offset", &PassRow::offset, "m", "distance of the path from the target's position"},
+    {"truth_first", &PassRow::truth_first, "m", "way from the path's start to the exact first contact; NaN: none"},
+    {"truth_last", &PassRow::truth_last, "m", "way from the path's start to the exact last contact; NaN: none"}};
+inline constexpr Column<PassRow, std::uint64_t> kPassCounts[] = {
+    {"first_step", &PassRow::first_step, "1", "step of the first sample of the pass"},
+    {"samples", &PassRow::samples, "1", "samples of the pass, one a step, at equal distances"},
+    {"truth_hits", &PassRow::truth_hits, "1", "samples that truly meet"}};
+inline constexpr Column<PassAnswers, std::vector<double>> kPassAnswerReals[] = {
+    {"first", &PassAnswers::first, "m",
+     "how far before (positive) or after (negative) the exact first contact it first reports; NaN: one of them is "
+     "none"},
+    {"last", &PassAnswers::last, "m",
+     "how far before (positive) or after (negative) the exact last contact it last reports; NaN: one of them is none"}};
+inline constexpr Column<PassAnswers, std::vector<std::uint64_t>> kPassAnswerCounts[] = {
+    {"flicker", &PassAnswers::flicker, "1", "changes of its answer between neighbouring samples that both truly meet"},
+    {"hits", &PassAnswers::hits, "1", "samples reported, whether they truly meet or not"}};
+
 }  // namespace pipeline

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <stdexcept>
 
 namespace pipeline {
 namespace {
@@ -32,34 +34,95 @@ struct MotionChunk {
   }
 };
 
+/// The born bodies of a scene and their integration. Simbody's bodies are fixed once it has begun, so this is made
+/// again after every event, and at every chunk.
+class Integration {
+ public:
+  /// At `time` s from `states`, B of them. reference_energy as Simulation's.
+  Integration(const Scene& scene, const Physics& physics, const std::vector<BodyState>& states, double time,
+              double reference_energy)
+      : reference_energy_(reference_energy) {
+    std::vector<RigidBody> rigid;
+    std::vector<BodyState> present;
+    bool any_moves = false;
+    for (std::size_t b = 0; b < states.size(); ++b) {
+      if (!is_born(states[b])) continue;
+      any_moves = any_moves || !scene.rigid[b].fixed;
+      born_.push_back(b);
+      rigid.push_back(scene.rigid[b]);
+      present.push_back(states[b]);
+    }
+    if (!any_moves) return;
+    simulation_ = std::make_unique<Simulation>(rigid, physics, present, time, reference_energy);
+    reference_energy_ = simulation_->reference_energy();
+  }
+
+  /// All zero when no body moves.
+  PhysicsSample sample() { return simulation_ ? simulation_->sample() : PhysicsSample(); }
+
+  /// Integrates to `time` s and updates the states of the born. Returns why it failed, or nothing.
+  std::string advance_to(double time, PhysicsSample& row, std::vector<BodyState>& states) {
+    if (!simulation_) return "";
+    if (std::string why = simulation_->advance_to(time, row); !why.empty()) return why;
+    const std::vector<BodyState> present = simulation_->states();
+    for (std::size_t i = 0; i < born_.size(); ++i) states[born_[i]] = present[i];
+    return "";
+  }
+
+  double reference_energy() const { return reference_energy_; }
+
+ private:
+  std::vector<std::size_t> born_;           // bodies, in order
+  std::unique_ptr<Simulation> simulation_;  // none before the first birth of a body that moves
+  double reference_energy_;
+};
+
 MotionChunk integrate_chunk(const Config& config, const Scene& scene, const std::vector<BodyState>& from,
                             double reference_energy, double seconds_spent, std::int64_t first, std::int64_t last,
                             Progress& progress) {
-  Physics physics = config.physics;
-  physics.time_budget = std::max(0.0, physics.time_budget - seconds_spent);
+  const SceneKind& kind = *config.scene_kind;
+  Physics physics = config.physics;  // with the time that is left
+  const auto begin = [&](const std::vector<BodyState>& states, std::int64_t step, double reference) {
+    physics.time_budget = std::max(0.0, config.physics.time_budget - seconds_spent);
+    return std::make_unique<Integration>(scene, physics, states, double(step) / config.rate, reference);
+  };
   MotionChunk chunk;
+  std::vector<BodyState> states = from;
+  std::int64_t step = first;
   try {
-    // Chunk 0 begins with the initial poses; any other continues from the last sample of the chunk before.
-    Simulation simulation(scene.rigid, physics, from, double(std::max<std::int64_t>(first - 1, 0)) / config.rate,
-                          reference_energy);
-    chunk.reference_energy = simulation.reference_energy();
-    for (std::int64_t step = first; step < last; ++step) {
+    // Chunk 0 begins with the initial states; any other continues from the last sample of the chunk before.
+    auto integration = begin(states, std::max<std::int64_t>(first - 1, 0), reference_energy);
+    for (; step < last; ++step) {
       stop_if_wanted();
       PhysicsSample row;
+      std::string why;
       if (step == 0)
-        row = simulation.sample();
-      else if (const std::string why = simulation.advance_to(double(step) / config.rate, row); !why.empty()) {
+        row = integration->sample();
+      else
+        why = integration->advance_to(double(step) / config.rate, row, states);
+      seconds_spent += double(row.time_ns) * 1e-9;
+      if (why.empty() && kind.breach) why = kind.breach(config, states);
+      if (!why.empty()) {
         chunk.failure = "failed at step " + std::to_string(step) + ": " + why;
         break;
       }
-      const std::vector<BodyState> states = step == 0 ? from : simulation.states();
+      if (kind.events && kind.events(config, step, states)) {
+        integration = begin(states, step, 0);
+        // What was counted on the way here stays; what holds is that after the events, from where the motion goes on.
+        const PhysicsSample now = integration->sample();
+        row.energy = now.energy;
+        row.kinetic_energy = now.kinetic_energy;
+        row.greatest_penetration = now.greatest_penetration;
+        row.contacts = now.contacts;
+      }
+      chunk.reference_energy = integration->reference_energy();
       chunk.samples.insert(chunk.samples.end(), states.begin(), states.end());
       chunk.rows.push_back(row);
       progress.add(1);
     }
   } catch (const std::invalid_argument& error) {
     // The states themselves cannot be integrated further, for instance after an overflow.
-    chunk.failure = "failed at step " + std::to_string(first) + ": " + error.what();
+    chunk.failure = "failed at step " + std::to_string(step) + ": " + error.what();
   }
   return chunk;
 }

@@ -15,8 +15,10 @@ struct Motion {
   PhysicsRows physics;
 };
 
-/// Integrates the scene, chunk by chunk; chunks that `part` holds are taken from it. A failure of the integration is
-/// data: from its step on moving bodies have NaN poses, and physics.status says why.
+/// Integrates the scene, chunk by chunk; chunks that `part` holds are taken from it. The scene's events happen at
+/// samples: a sample, its row and what follows are those after them. A failure of the integration, or a breach of the
+/// scene's rule, is data: from its step on moving bodies have NaN poses, and physics.status says why. Throws what
+/// SceneKind::events throws.
 Motion integrate(const Config& config, const Scene& scene, const Part& part, Progress& progress);
 
 }  // namespace pipeline

@@ -141,7 +141,7 @@ Part::Part(const fs::path& folder, const PartKey& key, const std::string& title,
                                {"steps", steps}};
   const nlohmann::json found = manifest_of(folder);
   if (found == mine) {
-    resumed_ = fs::exists(folder / chunk_name("motion", 0));
+    resumed_ = fs::exists(folder / chunk_name("motion", 0)) || fs::exists(folder / chunk_name("truth", 0));
     return;
   }
   if (fs::exists(folder / kManifest)) {

@@ -70,6 +70,29 @@ struct Truth {
   std::vector<Pair> scoring(std::size_t step) const;
 };
 
+/// One straight pass of a scripted scene: a row of /passes. Positions are metres from the start of its path.
+struct PassRow {
+  std::string target, path, orientation;  // name of the obstacle, of the path, of the hero's orientation
+  double offset = 0;                      // m, of the path from the target's position
+  std::uint64_t first_step = 0, samples = 0;
+  // Where the surfaces first and last meet; NaN when they never do. Samples at which they do.
+  double truth_first = std::numeric_limits<double>::quiet_NaN();
+  double truth_last = std::numeric_limits<double>::quiet_NaN();
+  std::uint64_t truth_hits = 0;
+};
+
+/// What one algorithm said about the passes: a column of /passes. P values each.
+struct PassAnswers {
+  std::vector<double> first, last;     // m before (negative: after) the truth's; NaN where one has none
+  std::vector<std::uint64_t> flicker;  // changes of the answer between neighbouring samples that both truly meet
+  std::vector<std::uint64_t> hits;     // samples reported
+};
+
+struct Passes {
+  std::vector<PassRow> rows;         // P
+  std::vector<PassAnswers> answers;  // A
+};
+
 struct PhysicsRows {
   std::vector<PhysicsSample> rows;  // S
   std::string status;               // "complete", or "failed at step K: why"
@@ -94,8 +117,9 @@ struct Result {
   std::vector<std::vector<geometry::Pose>> motion;  // S x B
   std::optional<PhysicsRows> physics;               // only when integrated
   Truth truth;
-  std::vector<Answers> answers;  // A
-  std::vector<Summary> summary;  // A
+  std::vector<Answers> answers;   // A
+  std::vector<Summary> summary;   // A
+  std::optional<Passes> passes;   // only of scenes that have some
   Provenance provenance;
   std::string digest;  // of the root; filled in by write and read
 

@@ -10,6 +10,7 @@
 #include "pipeline/error.hpp"
 #include "pipeline/motion.hpp"
 #include "pipeline/part.hpp"
+#include "pipeline/passes.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/scene.hpp"
@@ -45,12 +46,14 @@ fs::path output_path(const Config& config, const RunOptions& options) {
 Plan plan(const Config& config) {
   const SceneSize size = config.scene_kind->size(config);
   Plan plan{.bodies = size.bodies, .meshes = size.meshes, .triangles = size.mesh_triangles};
-  plan.pairs = size.bodies * (size.bodies - 1) / 2;
+  plan.pairs = size.pairs.value_or(size.bodies * (size.bodies - 1) / 2);
+  plan.passes = size.passes;
   const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
   const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
   plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);
-  // In memory: the result and, while it is written, once more its datasets; the truth's world vertices (24 bytes) and boxes
-  // (about 48 bytes a triangle) of every body; hierarchies and sampled facets (about 200 bytes a triangle of a mesh).
+  // In memory: the result and, while it is written, once more its datasets; the truth's world vertices (24 bytes) and
+  // boxes (about 48 bytes a triangle) of every body; hierarchies and sampled facets (about 200 bytes a triangle of a
+  // mesh).
   plan.memory_bytes = 2 * plan.file_bytes + (24 + 2 * 48) * size.body_vertices + 200 * size.mesh_triangles;
   return plan;
 }
@@ -81,8 +84,7 @@ Result run(const Config& config, const RunOptions& options) {
   const PartKey key{
       .config_sha256 = sha256(config.effective), .program_sha256 = program_sha256(), .inputs_sha256 = sha256(inputs)};
   Part part(output.string() + ".part", key, config.title, config.steps, options.force);
-  if (part.resumed() && !options.quiet)
-    std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
+  if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   const int threads = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
   const std::uint64_t steps = std::uint64_t(config.steps);
 
@@ -90,7 +92,17 @@ Result run(const Config& config, const RunOptions& options) {
   {
     Progress progress("motion", steps, options.quiet);
     if (config.scene_kind->integrated) {
-      Motion motion = integrate(config, scene, part, progress);
+      Motion motion;
+      try {
+        motion = integrate(config, scene, part, progress);
+      } catch (const Error& error) {
+        if (error.code() == kInput) {  // no run of this configuration can ever finish: nothing stays
+          part.remove();
+          std::error_code not_empty;
+          if (options.output.empty()) fs::remove(output.parent_path(), not_empty);
+        }
+        throw;
+      }
       result.motion = std::move(motion.poses);
       result.physics = std::move(motion.physics);
     } else {
@@ -106,6 +118,15 @@ Result run(const Config& config, const RunOptions& options) {
     Progress progress("detect", steps, options.quiet);
     result.answers = detect(scene.bodies, result.motion, result.truth, config.algorithms, config.repeats, machine(),
                             &part, progress);
+  }
+  if (!scene.passes.empty()) {
+    Progress progress("passes", scene.passes.size() * (1 + result.answers.size()), options.quiet);
+    Passes passes;
+    passes.rows = pass_rows(scene.bodies, result.motion, result.truth, scene.passes, progress);
+    for (std::size_t a = 0; a < result.answers.size(); ++a)
+      passes.answers.push_back(pass_answers(scene.bodies, result.motion, result.truth, scene.passes, passes.rows,
+                                            result.answers[a], config.algorithms[a], progress));
+    result.passes = std::move(passes);
   }
   const std::uint64_t pairs = total_pairs(scene.bodies, result.motion);
   for (const Answers& answers : result.answers) result.summary.push_back(summarise(answers, pairs));
@@ -147,16 +168,32 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   }
 
   refuse_unfit(result.bodies, choices);
-  Progress progress("detect", result.steps(), options.quiet);
-  std::vector<Answers> fresh = detect(result.bodies, result.motion, result.truth, choices, config.repeats, machine(),
-                                      nullptr, progress);
+  std::vector<Answers> fresh;
+  {
+    Progress progress("detect", result.steps(), options.quiet);
+    fresh = detect(result.bodies, result.motion, result.truth, choices, config.repeats, machine(), nullptr, progress);
+  }
+  std::vector<PassAnswers> fresh_passes;
+  if (result.passes) {
+    // The file holds where the hero was at its samples; where it was between them its configuration says.
+    const std::vector<Pass> passes = config.scene_kind->make(config).passes;
+    if (passes.size() != result.passes->rows.size())
+      throw Error(kFile, file.string() + ": its passes are not those of its configuration; run again with --force");
+    Progress progress("passes", passes.size() * fresh.size(), options.quiet);
+    for (std::size_t a = 0; a < fresh.size(); ++a)
+      fresh_passes.push_back(pass_answers(result.bodies, result.motion, result.truth, passes, result.passes->rows,
+                                          fresh[a], choices[a], progress));
+  }
   const std::uint64_t pairs = total_pairs(result.bodies, result.motion);
-  for (Answers& answers : fresh) {
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    Answers& answers = fresh[i];
     const std::size_t at = std::size_t(index_of(answers.label));
     if (at == result.answers.size()) {
       result.answers.emplace_back();
       result.summary.emplace_back();
+      if (result.passes) result.passes->answers.emplace_back();
     }
+    if (result.passes) result.passes->answers[at] = std::move(fresh_passes[i]);
     result.summary[at] = summarise(answers, pairs);
     result.answers[at] = std::move(answers);
   }

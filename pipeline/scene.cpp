@@ -1,16 +1,34 @@
 #include "pipeline/scene.hpp"
 
+#include <cmath>
+#include <limits>
+
 namespace pipeline {
 
 const std::vector<SceneKind>& scene_kinds() {
   static const std::vector<SceneKind> kinds = {
       falling_kind(),
+      box_kind(),
+      playground_kind(),
       replay_kind(),
   };
   return kinds;
 }
 
+BodyState unborn_state() {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  BodyState state;
+  state.position.fill(kNaN);
+  state.orientation.fill(kNaN);
+  state.velocity.fill(kNaN);
+  state.angular_velocity.fill(kNaN);
+  return state;
+}
+
+bool is_born(const BodyState& state) { return !std::isnan(state.position[0]); }
+
 geometry::Pose pose_of(const BodyState& state) {
+  if (!is_born(state)) return geometry::unborn();
   const auto& q = state.orientation;
   const auto& p = state.position;
   return {geometry::normalised({q[0], q[1], q[2], q[3]}), {p[0], p[1], p[2]}};

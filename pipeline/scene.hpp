@@ -4,12 +4,14 @@
 // bodies.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/bodies.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/document.hpp"
+#include "pipeline/passes.hpp"
 #include "pipeline/simulate.hpp"
 #include "pipeline/words.hpp"
 
@@ -19,9 +21,10 @@ struct Scene {
   geometry::Bodies bodies;
   // Integrated scenes:
   std::vector<RigidBody> rigid;   // B, what the integrator needs to know
-  std::vector<BodyState> states;  // B, at t = 0
+  std::vector<BodyState> states;  // B, at t = 0, before the events of step 0
   // Scripted scenes:
   std::vector<std::vector<geometry::Pose>> script;  // S x B
+  std::vector<Pass> passes;                         // those that the script holds from end to end
 };
 
 /// How large a scene is, without making it.
@@ -29,6 +32,8 @@ struct SceneSize {
   std::uint64_t bodies = 0, meshes = 0;
   std::uint64_t mesh_vertices = 0, mesh_triangles = 0;  // of the distinct meshes
   std::uint64_t body_vertices = 0;                      // over all bodies
+  std::uint64_t passes = 0;                             // of scripted scenes
+  std::optional<std::uint64_t> pairs = {};              // asked about at a step; absent: all that the bodies make
 };
 
 /// One kind of scene, as data.
@@ -40,6 +45,16 @@ struct SceneKind {
   void (*write)(const Config& config, TomlText& out);    // the same keys with their values
   SceneSize (*size)(const Config& config);
   Scene (*make)(const Config& config);
+
+  // Integrated scenes, where something happens besides integration:
+
+  /// Changes the states at a step: a birth makes a NaN state finite. Returns whether it changed any. A function of its
+  /// arguments alone, so that a resumed run has the same bits. Throws Error(kInput) for a birth that has no place.
+  bool (*events)(const Config& config, std::int64_t step, std::vector<BodyState>& states) = nullptr;
+  /// What no state of the scene may be, and is: one line naming the body. Empty: all is well. Asked at every step.
+  std::string (*breach)(const Config& config, const std::vector<BodyState>& states) = nullptr;
+  // Of scripted scenes: how many steps the script has. A configuration may ask for fewer, not for more.
+  std::int64_t (*steps)(const Config& config) = nullptr;
   /// Reads the files that the scene names, once, and what follows from them into `config`; null: it names none.
   void (*complete)(Config& config) = nullptr;
 };
@@ -48,9 +63,15 @@ const std::vector<SceneKind>& scene_kinds();
 
 // The rows, each from its own file.
 SceneKind falling_kind();
+SceneKind box_kind();
+SceneKind playground_kind();
 SceneKind replay_kind();
 
-/// The pose of a state: its quaternion normalised by the rule of the truth.
+/// The state of a body that is not born yet: NaN throughout.
+BodyState unborn_state();
+bool is_born(const BodyState& state);
+
+/// The pose of a state: its quaternion normalised by the rule of the truth; geometry::unborn() of an unborn one.
 geometry::Pose pose_of(const BodyState& state);
 
 // Limits that the kinds share.

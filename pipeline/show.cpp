@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/passes.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/store.hpp"
 #include "pipeline/truth.hpp"
@@ -111,6 +112,65 @@ std::vector<NamedText> named(const std::string& what) {
   return rows;
 }
 
+/// Targets across, algorithms down: when each first reports, and what it never or wrongly does.
+std::string passes_text(const Result& result) {
+  const Passes& passes = *result.passes;
+  const std::vector<std::string> names = targets(passes.rows);
+  std::vector<std::vector<std::string>> first = {{"first report"}}, wrong = {{"missed + invented"}};
+  for (const std::string& name : names) {
+    first[0].push_back(name);
+    wrong[0].push_back(name);
+  }
+  for (std::size_t a = 0; a < result.answers.size(); ++a) {
+    first.push_back({result.answers[a].label});
+    wrong.push_back({result.answers[a].label});
+    for (const std::string& name : names) {
+      const TargetSummary row = summarise(passes.rows, passes.answers[a], name);
+      // Positions are found to 1e-6 m: less than half a millimetre is nothing, and has no sign.
+      first.back().push_back(std::isnan(row.median)           ? "-"
+                             : std::fabs(row.median) < 0.5e-3 ? "0.000"
+                                                              : print("%+.3f", row.median));
+      wrong.back().push_back(print("%llu + %llu", static_cast<unsigned long long>(row.missed),
+                                   static_cast<unsigned long long>(row.false_alarms)));
+    }
+  }
+  std::vector<std::string> met = {"passes that meet"};
+  for (const std::string& name : names) {
+    std::size_t all = 0, meet = 0;
+    for (const PassRow& row : passes.rows) {
+      all += row.target == name;
+      meet += row.target == name && row.truth_hits > 0;
+    }
+    met.push_back(print("%zu of %zu", meet, all));
+  }
+  first.push_back(met);
+  return aligned(first) +
+         "\nfirst report: metres before (+) or after (-) the exact first contact, the median over the passes that meet "
+         "and are reported\n\n" +
+         aligned(wrong) +
+         "\nmissed: passes that meet and are never reported; invented: passes that never meet and are reported\n\n";
+}
+
+Json passes_json(const Result& result) {
+  const Passes& passes = *result.passes;
+  Json json = Json::array();
+  for (const std::string& name : targets(passes.rows))
+    for (std::size_t a = 0; a < result.answers.size(); ++a) {
+      const TargetSummary row = summarise(passes.rows, passes.answers[a], name);
+      json.push_back({{"target", name},
+                      {"algorithm", result.answers[a].label},
+                      {"passes", row.passes},
+                      {"met", row.met},
+                      {"missed", row.missed},
+                      {"invented", row.false_alarms},
+                      {"flicker", row.flicker},
+                      {"first_median", row.median},
+                      {"first_earliest", row.earliest},
+                      {"first_latest", row.latest}});
+    }
+  return json;
+}
+
 }  // namespace
 
 std::string result_text(const Result& result) {
@@ -143,6 +203,8 @@ std::string result_text(const Result& result) {
   text +=
       "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
       "per step\n\n";
+
+  if (result.passes && !result.answers.empty()) text += passes_text(result);
 
   text += "made by   " + from.creator + ", commit " + from.git_commit + ", " + from.build_type + ", " + from.compiler +
           "\n";
@@ -194,6 +256,7 @@ std::string result_json(const Result& result, const std::string& path) {
                                   {"time_p95_ns", row.time_p95_ns}});
     if (row.contained_hit) json["algorithms"].back()["contained_hit"] = *row.contained_hit;
   }
+  if (result.passes) json["passes"] = passes_json(result);
   json["provenance"] = {{"creator", from.creator},
                         {"git_commit", from.git_commit},
                         {"build_type", from.build_type},
@@ -240,6 +303,16 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
   text += config.scene_kind->integrated ? config.physics.integrator + print(" at accuracy %g", config.physics.accuracy)
                                         : "scripted, no integrator is built and no /physics written";
   text += print(", %lld steps at %g per second\n", static_cast<long long>(config.steps), config.rate);
+  if (config.scene_kind->integrated) {
+    const Physics& p = config.physics;
+    const bool gravity = p.gravity != std::array<double, 3>{},
+               damping = p.linear_damping != 0 || p.angular_damping != 0;
+    text += std::string("            ") + (gravity ? "gravity" : "no gravity force is made") + ", " +
+            (damping ? "damping" : "no damping") + "\n";
+  }
+  if (plan.passes > 0)
+    text += print("passes      %llu, early or late found by bisection: truth to %g m, algorithms to %g m\n",
+                  static_cast<unsigned long long>(plan.passes), kTruthTolerance, kAlgorithmTolerance);
   text += "truth       exact, by surface; ";
   switch (config.containment) {
     case Containment::ignore:
@@ -269,6 +342,7 @@ std::string plan_json(const Config& config, const Plan& plan, const std::string&
                {"meshes", plan.meshes},         {"triangles", plan.triangles},
                {"repeats", config.repeats},     {"output", output},
                {"file_bytes", plan.file_bytes}, {"memory_bytes", plan.memory_bytes}};
+  if (plan.passes > 0) json["passes"] = plan.passes;
   json["containment"] = text_of(config.containment);
   json["inputs_sha256"] = config.inputs;
   if (config.scene_kind->integrated)

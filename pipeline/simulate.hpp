@@ -71,7 +71,8 @@ struct PhysicsSample {
 const std::vector<std::string>& integrator_names();
 
 /// One integration. Constructed again from the states at a sample it continues in the same way as any other object
-/// constructed from them: the run restarts it every 50 steps, so that a resumed run has the same bits.
+/// constructed from them: the run restarts it every 50 steps, and at births and pushes, so that a resumed run has the
+/// same bits.
 class Simulation {
  public:
   /// Starts at `time` s from `states` (one per body); quaternions are normalised. `reference_energy` J is what

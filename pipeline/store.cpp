@@ -299,10 +299,11 @@ class Reader {
 
   /// Lists of pairs of a group; sorted within a step, a < b < bodies.
   PairLists pairs(const std::string& group, std::uint64_t steps, std::uint64_t bodies,
-                  const std::string& offset_name = "pair_offset", const std::string& pair_name = "pair") const {
+                  const std::string& prefix = "") const {
     PairLists out;
-    out.offset = values<std::uint64_t>(group + "/" + offset_name, Type::u64, {steps + 1});
-    out.pair = values<Pair>(group + "/" + pair_name, Type::u32, {kAny, 2});
+    out.offset = values<std::uint64_t>(group + "/" + prefix + (prefix.empty() ? "pair_offset" : "offset"), Type::u64,
+                                       {steps + 1});
+    out.pair = values<Pair>(group + "/" + prefix + "pair", Type::u32, {kAny, 2});
     bool sound = out.offset.front() == 0 && out.offset.back() == out.pair.size() &&
                  std::ranges::is_sorted(out.offset) &&
                  std::ranges::all_of(out.pair, [&](const Pair& pair) { return pair.a < pair.b && pair.b < bodies; });
@@ -448,6 +449,29 @@ std::vector<Summary> read_summary(const Reader& from, std::uint64_t algorithms) 
   return rows;
 }
 
+Passes read_passes(const Reader& from, std::uint64_t algorithms) {
+  Passes passes;
+  const auto path = [](const auto& column) { return std::string("/passes/") + column.name; };
+  passes.rows.resize(from.texts(path(kPassTexts[0]), {kAny}).size());
+  const std::uint64_t count = passes.rows.size();
+  const auto fill = [&](const auto& column, auto values) {
+    for (std::size_t p = 0; p < count; ++p) passes.rows[p].*column.member = std::move(values[p]);
+  };
+  for (const auto& column : kPassTexts) fill(column, from.texts(path(column), {count}));
+  for (const auto& column : kPassCounts) fill(column, from.values<std::uint64_t>(path(column), Type::u64, {count}));
+  for (const auto& column : kPassReals) fill(column, from.values<double>(path(column), Type::f64, {count}));
+  passes.answers.resize(algorithms);
+  const auto fill_table = [&]<typename T>(const Column<PassAnswers, std::vector<T>>& column, Type type) {
+    if (algorithms == 0) return;
+    const auto table = from.values<T>(path(column), type, {count, algorithms});
+    for (std::size_t a = 0; a < algorithms; ++a)
+      for (std::size_t p = 0; p < count; ++p) (passes.answers[a].*column.member).push_back(table[p * algorithms + a]);
+  };
+  for (const auto& column : kPassAnswerReals) fill_table(column, Type::f64);
+  for (const auto& column : kPassAnswerCounts) fill_table(column, Type::u64);
+  return passes;
+}
+
 void read_contained_hits(const Reader& from, std::uint64_t steps, Result& result) {
   const std::size_t count = result.answers.size();
   const std::string column = std::string("/") + kContainedHit;
@@ -495,7 +519,7 @@ Result read_all(const Reader& from) {
     const auto kept = containment_of(from.attribute<std::string>("/truth", "containment"));
     if (!kept || *kept == Containment::ignore) throw h5::Failure("/truth: its containment is not known");
     result.truth.containment = *kept;
-    result.truth.contained = from.pairs("/truth", steps, bodies, "contained_offset", "contained_pair");
+    result.truth.contained = from.pairs("/truth", steps, bodies, "contained_");
   }
   result.truth.time_ns = from.values<std::int64_t>("/truth/time_ns", Type::i64, {steps});
   if (from.has("/algorithm")) {
@@ -503,6 +527,7 @@ Result read_all(const Reader& from) {
     result.summary = read_summary(from, result.answers.size());
     if (result.truth.containment == Containment::record) read_contained_hits(from, steps, result);
   }
+  if (from.has("/passes")) result.passes = read_passes(from, result.answers.size());
   result.provenance = read_provenance(from);
   result.digest = from.attribute<std::string>("/", "digest");
   return result;

@@ -35,22 +35,42 @@ std::string error_in(const std::string& text, const std::vector<std::string>& se
 
 Config with(const std::vector<std::string>& sets) { return parse_config(kScene, "f.toml", sets); }
 
+void expect_same_scene(const FallingScene& a, const FallingScene& b) {
+  EXPECT_EQ(a.segments, b.segments);
+  EXPECT_EQ(a.radius, b.radius);
+  EXPECT_EQ(a.density, b.density);
+  EXPECT_EQ(a.plate, b.plate);
+  EXPECT_EQ(a.shift, b.shift);
+  ASSERT_EQ(a.sets.size(), b.sets.size());
+  for (std::size_t i = 0; i < a.sets.size(); ++i) {
+    const FallingSet &s = a.sets[i], &t = b.sets[i];
+    EXPECT_TRUE(s.lying == t.lying && s.above == t.above && s.corner == t.corner) << i;
+    EXPECT_TRUE(s.spacing == t.spacing && s.height == t.height) << i;
+  }
+}
+
+void expect_same_scene(const BoxScene& a, const BoxScene& b) {
+  EXPECT_EQ(a.segments, b.segments);
+  EXPECT_EQ(a.radius, b.radius);
+  EXPECT_EQ(a.density, b.density);
+  EXPECT_EQ(a.half_width, b.half_width);
+  EXPECT_EQ(a.thickness, b.thickness);
+  EXPECT_EQ(a.births.count, b.births.count);
+  EXPECT_EQ(a.births.from, b.births.from);
+  EXPECT_EQ(a.births.every, b.births.every);
+  EXPECT_EQ(a.push.from, b.push.from);
+  EXPECT_EQ(a.push.every, b.push.every);
+  EXPECT_EQ(a.push.speed, b.push.speed);
+  EXPECT_EQ(a.push.directions, b.push.directions);
+}
+
 void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(a.title, b.title);
   EXPECT_EQ(a.seed, b.seed);
   EXPECT_EQ(a.steps, b.steps);
   EXPECT_EQ(a.rate, b.rate);
-  EXPECT_EQ(falling_of(a).segments, falling_of(b).segments);
-  EXPECT_EQ(falling_of(a).radius, falling_of(b).radius);
-  EXPECT_EQ(falling_of(a).density, falling_of(b).density);
-  EXPECT_EQ(falling_of(a).plate, falling_of(b).plate);
-  EXPECT_EQ(falling_of(a).shift, falling_of(b).shift);
-  ASSERT_EQ(falling_of(a).sets.size(), falling_of(b).sets.size());
-  for (std::size_t i = 0; i < falling_of(a).sets.size(); ++i) {
-    const FallingSet &s = falling_of(a).sets[i], &t = falling_of(b).sets[i];
-    EXPECT_TRUE(s.lying == t.lying && s.above == t.above && s.corner == t.corner) << i;
-    EXPECT_TRUE(s.spacing == t.spacing && s.height == t.height) << i;
-  }
+  ASSERT_EQ(a.scene.index(), b.scene.index());
+  std::visit([&]<class Scene>(const Scene& scene) { expect_same_scene(scene, std::get<Scene>(b.scene)); }, a.scene);
   const Physics &p = a.physics, &q = b.physics;
   EXPECT_EQ(p.integrator, q.integrator);
   EXPECT_EQ(p.accuracy, q.accuracy);
@@ -441,6 +461,30 @@ TEST(Configs, PadaniIsTheDefaults) {
   padani.algorithms.clear();
   defaults.algorithms.clear();
   expect_same(padani, defaults);
+}
+
+// As above; what is asked of each scene differs in the algorithms.
+TEST(Configs, KostkaIsTheDefaultsWithTheNineAndCannonsTwo) {
+  Config kostka = read_config(configs() / "kostka.toml");
+  std::vector<std::string> names;
+  for (const AlgorithmChoice& choice : kostka.algorithms) {
+    EXPECT_EQ(choice.label, choice.name);
+    EXPECT_EQ(choice.knobs, algorithms::presets(*algorithms::find(choice.name)));
+    names.push_back(choice.name);
+  }
+  std::vector<std::string> expected;
+  for (const auto& row : algorithms::all())
+    if (row.name != "aabb") expected.push_back(row.name);
+  EXPECT_EQ(names, expected);
+  EXPECT_EQ(names.size(), 11u);
+
+  Config defaults = parse_config("[scene]\nkind = \"box\"\n", "f.toml", {"title=Spheres in a cube"});
+  kostka.algorithms.clear();
+  defaults.algorithms.clear();
+  expect_same(kostka, defaults);
+  const BoxScene& box = std::get<BoxScene>(kostka.scene);
+  EXPECT_EQ(box.births.count, 80);
+  EXPECT_EQ(box.push.directions, (std::vector<std::string>{"+x", "-x", "+z", "-z"}));
 }
 
 }  // namespace

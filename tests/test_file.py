@@ -19,6 +19,7 @@ DIMENSIONS = {
     "/bodies/mesh": ["body"],
     "/bodies/fixed": ["body"],
     "/bodies/first_step": ["body"],
+    "/bodies/born": ["step"],
     "/bodies/chosen": ["body"],
     "/meshes/<>/vertices": ["vertex", "axis"],
     "/meshes/<>/triangles": ["triangle", "corner"],

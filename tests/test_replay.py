@@ -78,16 +78,16 @@ def test_example_holds_the_files_motion_and_no_physics(example):
             assert found.split()[0] == digest
 
 
-def pairs(file, group, offset="pair_offset", pair="pair"):
+def pairs(file, group, prefix=""):
     """One set of pairs per step."""
-    offset, pair = file[group][offset][()], file[group][pair][()]
+    offset, pair = file[f"{group}/{prefix or 'pair_'}offset"][()], file[f"{group}/{prefix}pair"][()]
     return [set(map(tuple, pair[a:b])) for a, b in zip(offset[:-1].astype(int), offset[1:].astype(int))]
 
 
 def test_contained_pairs_are_listed_and_counted_apart(example):
     with h5py.File(example) as file:
         assert file["truth"].attrs["containment"] == "record"
-        truth, inside = pairs(file, "truth"), pairs(file, "truth", "contained_offset", "contained_pair")
+        truth, inside = pairs(file, "truth"), pairs(file, "truth", "contained_")
         assert [len(step) for step in truth] == list(file["truth/hits"])
         assert all(not (a & b) for a, b in zip(truth, inside))
         # The hero's points are within 0.9 m of it, the box is 2.5 m long: inside around z = 0, outside at the start.
@@ -112,14 +112,14 @@ def test_meet_scores_by_the_union_and_ignore_leaves_containment_out(example, tmp
         run = pipeline("run", EXAMPLE, "-o", path, "--set", f"truth.containment={containment}")
         assert run.returncode in (DONE, 1), run.stderr
         with h5py.File(path) as file, h5py.File(example) as recorded:
-            truth, inside = pairs(recorded, "truth"), pairs(recorded, "truth", "contained_offset", "contained_pair")
+            truth, inside = pairs(recorded, "truth"), pairs(recorded, "truth", "contained_")
             assert pairs(file, "truth") == truth
             assert "contained_hit" not in file["results"] and "contained_hit" not in file["summary"]
             if containment == "ignore":
                 assert "contained_pair" not in file["truth"]
                 inside = [set() for _ in truth]
             else:
-                assert pairs(file, "truth", "contained_offset", "contained_pair") == inside
+                assert pairs(file, "truth", "contained_") == inside
             assert list(file["truth/hits"]) == [len(a | b) for a, b in zip(truth, inside)]
             for a, label in enumerate(file["algorithm"].asstr()):
                 for step, hits in enumerate(pairs(file, f"answers/{label}")):
