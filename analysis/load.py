@@ -24,7 +24,7 @@ class Run:
         steps: number of steps; rate: steps per second; bodies, algorithms: lists of names and labels;
         config, config_effective: TOML texts; run: dict of date, host, processor, wall_time_s;
         answers: dict label -> dict of name, knobs (JSON), promise, thesis_key, operations_unit, scope,
-        timing_host, timing_processor, timing_build, timing_date, digest.
+        host, processor, build, date, digest.
     """
 
     path: str

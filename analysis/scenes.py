@@ -58,7 +58,7 @@ def kind(run):
 def timed(run):
     first = run.bodies.first_step.to_numpy()
     there = (first[None, :] >= 0) & (first[None, :] <= np.arange(run.meta["steps"])[:, None])
-    hosts = {(answers["timing_host"], answers["timing_processor"]) for answers in run.meta["answers"].values()}
+    hosts = {(answers["host"], answers["processor"]) for answers in run.meta["answers"].values()}
     host = " ".join(hosts.pop()) if len(hosts) == 1 else ""  # "" when algorithms were timed on different machines
     return Timed(run.summary, run.per_step, there.sum(axis=1), host)
 

@@ -10,12 +10,15 @@
 #include <vector>
 
 #include "pipeline/config.hpp"
+#include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/run.hpp"
+#include "pipeline/scene.hpp"
 #include "pipeline/show.hpp"
 #include "pipeline/store.hpp"
+#include "pipeline/words.hpp"
 
 namespace pipeline {
 namespace {
@@ -97,10 +100,12 @@ int dispatch(int argc, const char* const* argv) {
   } catch (const CLI::Success& success) {  // --help, --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    app.exit(error);  // prints; its codes are not ours
-    return kUsage;
+    // CLI11's exit codes are not ours, and its message takes two lines.
+    throw Error(kUsage, std::string(error.what()) + "; see pipeline --help");
   }
 
+  if ((run_command->count("--output") || check_command->count("--output")) && output.empty())
+    throw Error(kUsage, "-o: must name a file, not nothing");
   options.output = output;
   if (*list_command) {
     put(json ? list_json(what) : list_text(what));
@@ -112,6 +117,7 @@ int dispatch(int argc, const char* const* argv) {
     const std::filesystem::path target = output_path(config, options);
     const Plan planned = plan(config);
     refuse_if_too_large(planned, target);
+    refuse_unfit(config.scene_kind->make(config).bodies, config.algorithms);
     put(json ? plan_json(config, planned, target.string()) : plan_text(config, planned, target.string()));
     return kDone;
   }
@@ -120,6 +126,8 @@ int dispatch(int argc, const char* const* argv) {
       const PartStatus status = part_status(file);
       put(json ? part_json(status, file) : part_text(status, file));
     } else {
+      if (std::error_code none; std::filesystem::exists(file, none) && !std::filesystem::is_regular_file(file, none))
+        throw Error(kFile, file + ": is neither a file nor a folder");
       const Result result = read_result(file);
       put(json ? result_json(result, file) : result_text(result));
     }
@@ -131,6 +139,7 @@ int dispatch(int argc, const char* const* argv) {
   action.sa_handler = on_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is told by write, like a full disk
   if (*run_command) {
     const Config config = read_config(config_path, sets);
     warn(config.notes);
@@ -145,13 +154,13 @@ int command_line(int argc, const char* const* argv) {
   try {
     return dispatch(argc, argv);
   } catch (const Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
+    std::fprintf(stderr, "%s\n", one_line(error.what(), 1 << 16).c_str());
     return error.code();
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "out of memory: fewer steps, bodies or segments make a run smaller\n");
     return kInput;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "the program failed: %s\n", error.what());
+    std::fprintf(stderr, "the program failed: %s\n", one_line(error.what(), 1 << 16).c_str());
     return kFailed;
   }
 }

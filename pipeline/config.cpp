@@ -20,9 +20,9 @@ namespace pipeline {
 namespace {
 
 constexpr std::size_t kMostBytes = 16 << 20;
-constexpr std::size_t kMostTitle = 1024;       // characters
-constexpr std::int64_t kMostSteps = 10000000;  // at 274 bodies 120 GB of motion: further is a mistake
-constexpr double kMostRate = 1e6;              // samples per second
+constexpr std::size_t kMostTitle = 1024;              // characters
+constexpr std::int64_t kMostSteps = 10000000;         // at 274 bodies 120 GB of motion: further is a mistake
+constexpr double kLeastRate = 1e-6, kMostRate = 1e6;  // samples per second
 constexpr std::int64_t kMostRepeats = 1000;
 constexpr Range kFinite{};
 constexpr Range kNotNegative{.least = 0};
@@ -118,8 +118,7 @@ AlgorithmChoice algorithm_choice(const Section& s) {
   for (const algorithms::Knob& knob : row->knobs) known.push_back(knob.name);
   s.only(known);
   AlgorithmChoice choice{.name = name, .label = s.text("label", name), .knobs = algorithms::presets(*row)};
-  if (!valid_label(choice.label))
-    s.refuse("label", kLabelRule);
+  if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
   for (const algorithms::Knob& knob : row->knobs)
     if (s.has(knob.name)) choice.knobs[knob.name] = knob_value(s, knob);
   return choice;
@@ -232,7 +231,7 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   config.title = title(root, one_line(path.stem().string(), kMostTitle));
   config.seed = root.integer("seed", config.seed, 0);
   config.steps = root.integer("steps", config.steps, 1, kMostSteps);
-  config.rate = root.real("rate", config.rate, {.least = 0, .most = kMostRate, .above = true});
+  config.rate = root.real("rate", config.rate, {.least = kLeastRate, .most = kMostRate});
   if (root.has("steps")) config.steps_place = root.place("steps");
   config.rate_given = root.has("rate");
   read_scene(root, config);

@@ -291,10 +291,10 @@ Group answers(const Answers& answers, const Sizes& n) {
                {"thesis_key", answers.thesis_key},
                {"operations_unit", answers.operations_unit},
                {"scope", answers.scope},
-               {"timing_host", answers.machine.host},
-               {"timing_processor", answers.machine.processor},
-               {"timing_build", answers.machine.build},
-               {"timing_date", answers.machine.date}},
+               {"host", answers.machine.host},
+               {"processor", answers.machine.processor},
+               {"build", answers.machine.build},
+               {"date", answers.machine.date}},
               {},
               true};
   add_pairs(group, answers.hits, "pairs of bodies that the algorithm reported", n);

@@ -20,17 +20,21 @@ namespace {
 
 constexpr char kMagic[8] = {'C', 'D', 'C', 'H', 'U', 'N', 'K', '1'};
 constexpr const char* kManifest = "manifest.json";
+constexpr const char* kLock = "lock";
+constexpr const char* kComplete = "complete";
+constexpr std::int64_t kMostSteps = 10000000;  // as the configuration's
 
 [[noreturn]] void cannot(const std::string& action, const fs::path& path, int error) {
   throw Error(kFile, path.string() + ": cannot " + action + ": " + std::strerror(error) +
-                         "; what was finished is kept, free space or choose another -o and run again");
+                         "; what was finished is kept: free or allow the place and run again");
 }
 
 void sync_folder(const fs::path& folder) {
   const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY);
   if (fd < 0) cannot("open", folder, errno);
-  fsync(fd);
+  const int error = fsync(fd) == 0 || errno == EINVAL ? 0 : errno;  // EINVAL: folders cannot be synced there
   close(fd);
+  if (error) cannot("sync", folder, error);
 }
 
 void write_all(const fs::path& path, std::initializer_list<std::string_view> pieces) {
@@ -79,7 +83,24 @@ nlohmann::json manifest_of(const fs::path& folder) {
   return nlohmann::json::parse(*text, nullptr, /*allow_exceptions=*/false);
 }
 
-std::string checksum(std::string_view bytes) {
+std::string text_in(const nlohmann::json& manifest, const char* name) {
+  const bool there = manifest.is_object() && manifest.contains(name) && manifest[name].is_string();
+  return there ? manifest[name].get<std::string>() : "";
+}
+
+/// The manifest goes first, so that what is left by a kill belongs to nobody and is emptied; the lock goes last.
+void empty(const fs::path& folder) {
+  std::error_code ignored;
+  fs::remove(folder / kManifest, ignored);
+  std::vector<fs::path> chunks;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename() != kLock) chunks.push_back(entry.path());
+  for (const fs::path& chunk : chunks) fs::remove_all(chunk, ignored);
+}
+
+std::string checksum(std::string_view seal, std::string_view content) {
+  std::string bytes(seal);
+  bytes += content;
   const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
   XXH128_canonical_t canonical;
   XXH128_canonicalFromHash(&canonical, hash);
@@ -102,9 +123,10 @@ void ChunkReader::take(void* to, std::size_t size) {
 
 PartStatus part_status(const fs::path& folder) {
   const nlohmann::json manifest = manifest_of(folder);
-  if (!manifest.is_object() || !manifest.contains("steps"))
+  const bool whole = manifest.is_object() && manifest.contains("steps") && manifest["steps"].is_number_integer();
+  PartStatus status{.title = text_in(manifest, "title"), .steps = whole ? manifest["steps"].get<std::int64_t>() : 0};
+  if (status.steps < 1 || status.steps > kMostSteps)
     throw Error(kFile, folder.string() + ": is not an unfinished run of this program (no readable " + kManifest + ")");
-  PartStatus status{.title = manifest.value("title", ""), .steps = manifest.value("steps", std::int64_t{0})};
   for (std::int64_t step = 0; step < status.steps; step += kChunkSteps) {
     const std::int64_t count = std::min(kChunkSteps, status.steps - step);
     if (fs::exists(folder / chunk_name("motion", step))) status.motion_steps += count;
@@ -123,12 +145,15 @@ Part::Part(const fs::path& folder, const PartKey& key, const std::string& title,
   if (existed && !fs::is_directory(folder))
     throw Error(kFile, folder.string() + ": is in the way and not a folder; remove it or choose another -o");
   // Whatever --force empties must be ours: a folder without our manifest may be somebody's data.
-  if (existed && !fs::is_empty(folder) && !fs::exists(folder / kManifest) && !fs::exists(folder / "lock"))
+  if (existed && !fs::is_empty(folder) && !fs::exists(folder / kManifest) && !fs::exists(folder / kLock))
     throw Error(kFile, folder.string() + ": is in the way and not an unfinished run; remove it or choose another -o");
-  if (!existed && !fs::create_directory(folder, error) && error) cannot("make", folder, error.value());
+  if (!existed) {
+    if (!fs::create_directory(folder, error) && error) cannot("make", folder, error.value());
+    sync_folder(folder.has_parent_path() ? folder.parent_path() : fs::path("."));
+  }
 
-  lock_ = open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (lock_ < 0) cannot("write", folder / "lock", errno);
+  lock_ = open((folder / kLock).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (lock_ < 0) cannot("write", folder / kLock, errno);
   if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
     close(lock_);
     throw Error(kFile, folder.string() + ": is being written by another run; wait for it or choose another -o");
@@ -139,26 +164,21 @@ Part::Part(const fs::path& folder, const PartKey& key, const std::string& title,
                                {"program_sha256", key.program_sha256},
                                {"title", title},
                                {"steps", steps}};
+  seal_ = mine.dump();
   const nlohmann::json found = manifest_of(folder);
   if (found == mine) {
     resumed_ = fs::exists(folder / chunk_name("motion", 0)) || fs::exists(folder / chunk_name("truth", 0));
     return;
   }
-  if (fs::exists(folder / kManifest)) {
-    if (!force) {
-      close(lock_);
-      const auto same = [&](const char* name, const std::string& mine) {
-        return found.is_object() && found.value(name, "") == mine;
-      };
-      throw Error(kFile, folder.string() + ": is an unfinished run of " +
-                             (!same("config_sha256", key.config_sha256)   ? "another configuration"
-                              : !same("inputs_sha256", key.inputs_sha256) ? "other input files"
-                                                                          : "another build") +
-                             "; --force discards it, or choose another -o");
-    }
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.path().filename() != "lock") fs::remove_all(entry.path());
+  if (fs::exists(folder / kManifest) && !force) {
+    close(lock_);
+    throw Error(kFile, folder.string() + ": is an unfinished run of " +
+                           (text_in(found, "config_sha256") != key.config_sha256   ? "another configuration"
+                            : text_in(found, "inputs_sha256") != key.inputs_sha256 ? "other input files"
+                                                                                   : "another build or machine") +
+                           "; --force discards it, or choose another -o");
   }
+  empty(folder);
   replace(folder, kManifest, {mine.dump(1)});
 }
 
@@ -172,7 +192,7 @@ std::optional<std::string> Part::load(const std::string& name) const {
   if (!bytes || bytes->size() < kHead || bytes->compare(0, sizeof kMagic, kMagic, sizeof kMagic) != 0)
     return std::nullopt;
   const std::string_view content = std::string_view(*bytes).substr(kHead);
-  if (bytes->compare(sizeof kMagic, 16, checksum(content)) != 0) {
+  if (bytes->compare(sizeof kMagic, 16, checksum(seal_, content)) != 0) {
     std::fprintf(stderr, "warning: %s: is damaged; its steps are computed again\n", (folder_ / name).c_str());
     return std::nullopt;
   }
@@ -181,12 +201,27 @@ std::optional<std::string> Part::load(const std::string& name) const {
 }
 
 void Part::save(const std::string& name, const std::string& content) const {
-  replace(folder_, name, {std::string_view(kMagic, sizeof kMagic), checksum(content), content});
+  replace(folder_, name, {std::string_view(kMagic, sizeof kMagic), checksum(seal_, content), content});
 }
 
 void Part::remove() {
+  empty(folder_);
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
+}
+
+void Part::mark_complete() const { replace(folder_, kComplete, {}); }
+
+void Part::remove_complete(const fs::path& folder) {
+  std::error_code ignored;
+  if (!fs::exists(folder / kComplete, ignored)) return;
+  const int lock = open((folder / kLock).c_str(), O_RDWR | O_CLOEXEC);
+  if (lock < 0) return;
+  if (flock(lock, LOCK_EX | LOCK_NB) == 0) {
+    empty(folder);
+    fs::remove_all(folder, ignored);
+  }
+  close(lock);
 }
 
 }  // namespace pipeline

@@ -46,6 +46,13 @@ class Part {
 
   bool resumed() const { return resumed_; }  // it was there before, with chunks
 
+  /// Removes a folder whose run was complete when it was killed (mark_complete), unless another run holds it. For when
+  /// the result exists.
+  static void remove_complete(const std::filesystem::path& folder);
+
+  /// Notes that nothing is missing but the result's own place.
+  void mark_complete() const;
+
   /// A chunk's content, or nothing when it is absent or damaged. Safe from several threads.
   std::optional<std::string> load(const std::string& name) const;
 
@@ -59,6 +66,7 @@ class Part {
   std::filesystem::path folder_;
   int lock_ = -1;
   bool resumed_ = false;
+  std::string seal_;  // the manifest: part of every chunk's checksum, so that no other run's chunk is ever taken
 };
 
 /// Name of the chunk of `stage` that begins at `step`: "truth-0000050".

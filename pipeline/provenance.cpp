@@ -58,9 +58,7 @@ std::string libraries_json() {
 
 }  // namespace
 
-std::string version_line() {
-  return BUILD_VERSION " (" BUILD_GIT_COMMIT ", " BUILD_TYPE ", " BUILD_COMPILER ")";
-}
+std::string version_line() { return BUILD_VERSION " (" BUILD_GIT_COMMIT ", " BUILD_TYPE ", " BUILD_COMPILER ")"; }
 
 Provenance provenance() {
   Provenance p;

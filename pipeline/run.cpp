@@ -24,7 +24,8 @@ namespace {
 
 std::string human(std::uint64_t bytes) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.1f GiB", double(bytes) / double(1 << 30));
+  const bool large = bytes >= (1u << 30);
+  std::snprintf(text, sizeof text, large ? "%.1f GiB" : "%.1f MiB", double(bytes) / double(large ? 1 << 30 : 1 << 20));
   return text;
 }
 
@@ -72,18 +73,22 @@ void refuse_if_too_large(const Plan& plan, const fs::path& output) {
 Result run(const Config& config, const RunOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const fs::path output = output_path(config, options);
-  if (fs::exists(output) && !options.force)
-    throw Error(kFile, output.string() + ": exists; --force replaces it, or choose another -o");
-  if (fs::is_directory(output)) throw Error(kFile, output.string() + ": is a folder; choose another -o");
+  const fs::path part_path = output.string() + ".part";
+  std::error_code unreadable;
+  if (fs::exists(fs::symlink_status(output, unreadable))) Part::remove_complete(part_path);
   refuse_if_too_large(plan(config), output);
 
   Scene scene = config.scene_kind->make(config);
   refuse_unfit(scene.bodies, config.algorithms);
 
   const std::string inputs = nlohmann::json(config.inputs).dump();
-  const PartKey key{
-      .config_sha256 = sha256(config.effective), .program_sha256 = program_sha256(), .inputs_sha256 = sha256(inputs)};
-  Part part(output.string() + ".part", key, config.title, config.steps, options.force);
+  Provenance from = provenance();
+  // The libraries and the processor belong to the build: Simbody's motion depends on them.
+  const PartKey key{.config_sha256 = sha256(config.effective),
+                    .program_sha256 = sha256(program_sha256() + from.library_versions + from.processor),
+                    .inputs_sha256 = sha256(inputs)};
+  Target target(output, options.force);
+  Part part(part_path, key, config.title, config.steps, options.force);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   const int threads = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
   const std::uint64_t steps = std::uint64_t(config.steps);
@@ -96,11 +101,7 @@ Result run(const Config& config, const RunOptions& options) {
       try {
         motion = integrate(config, scene, part, progress);
       } catch (const Error& error) {
-        if (error.code() == kInput) {  // no run of this configuration can ever finish: nothing stays
-          part.remove();
-          std::error_code not_empty;
-          if (options.output.empty()) fs::remove(output.parent_path(), not_empty);
-        }
+        if (error.code() == kInput) part.remove();  // no run of this configuration can ever finish: nothing stays
         throw;
       }
       result.motion = std::move(motion.poses);
@@ -137,11 +138,12 @@ Result run(const Config& config, const RunOptions& options) {
   result.rate = config.rate;
   result.first_step = first_steps(result.motion, scene.bodies.size());
   result.bodies = std::move(scene.bodies);
-  result.provenance = provenance();
+  result.provenance = std::move(from);
   result.provenance.config_sha256 = sha256(config.text);
   result.provenance.inputs_sha256 = inputs;
   result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  write_result(result, output);
+  part.mark_complete();
+  target.write(result);
   part.remove();
   return result;
 }
@@ -149,7 +151,11 @@ Result run(const Config& config, const RunOptions& options) {
 Result detect_again(const fs::path& file, const std::vector<std::string>& arguments, const RunOptions& options) {
   std::vector<AlgorithmChoice> choices;
   for (const std::string& argument : arguments) choices.push_back(parse_algorithm(argument));
-  Result result = read_result(file);
+  std::error_code missing;
+  const fs::path real = fs::canonical(file, missing);  // a link stays one
+  if (missing) read_result(file);                      // throws what is wrong
+  Target target(real, true);
+  Result result = read_result(real);
   const Config config = parse_config(result.config_effective, file.string() + ":/config@effective");
   if (choices.empty()) choices = config.algorithms;
 
@@ -197,7 +203,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     result.summary[at] = summarise(answers, pairs);
     result.answers[at] = std::move(answers);
   }
-  write_result(result, file);
+  target.write(result);
   return result;
 }
 

@@ -33,6 +33,9 @@ Json value_json(const algorithms::Value& value) {
   return std::visit([](const auto& v) { return Json(v); }, value);
 }
 
+/// Bytes of a file name that are no UTF-8 become the replacement character.
+std::string dumped(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
 const char* type_name(const algorithms::Value& value) {
   constexpr const char* kNames[] = {"boolean", "integer", "real", "text"};
   return kNames[value.index()];
@@ -269,7 +272,7 @@ std::string result_json(const Result& result, const std::string& path) {
                         {"host", from.host},
                         {"processor", from.processor},
                         {"wall_time_s", from.wall_time_s}};
-  return json.dump(2) + "\n";
+  return dumped(json);
 }
 
 std::string part_text(const PartStatus& status, const std::string& path) {
@@ -290,7 +293,7 @@ std::string part_json(const PartStatus& status, const std::string& path) {
                      {"motion_steps", status.motion_steps},
                      {"truth_steps", status.truth_steps},
                      {"answered_steps", status.answered_steps}};
-  return json.dump(2) + "\n";
+  return dumped(json);
 }
 
 std::string plan_text(const Config& config, const Plan& plan, const std::string& output) {
@@ -352,7 +355,7 @@ std::string plan_json(const Config& config, const Plan& plan, const std::string&
     json["algorithms"].push_back(
         {{"label", choice.label}, {"name", choice.name}, {"knobs", Json::parse(knobs_json(choice.knobs))}});
   json["effective"] = config.effective;
-  return json.dump(2) + "\n";
+  return dumped(json);
 }
 
 std::string list_text(const std::string& what) {
@@ -381,7 +384,7 @@ std::string list_json(const std::string& what) {
   Json json = Json::array();
   if (what != "algorithms") {
     for (const NamedText& row : named(what)) json.push_back({{"name", row.name}, {"what", row.what}});
-    return json.dump(2) + "\n";
+    return dumped(json);
   }
   for (const algorithms::Algorithm& row : algorithms::all()) {
     Json knobs = Json::array();
@@ -405,7 +408,7 @@ std::string list_json(const std::string& what) {
                     {"operations_unit", row.operations_unit},
                     {"knobs", knobs}});
   }
-  return json.dump(2) + "\n";
+  return dumped(json);
 }
 
 }  // namespace pipeline

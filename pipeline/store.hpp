@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 
 #include "pipeline/result.hpp"
@@ -12,8 +13,31 @@ namespace pipeline {
 /// Grows when a name, unit or meaning in the file changes. A newer one is refused.
 constexpr int kSchemaVersion = 1;
 
-/// Writes the whole result at `path`: first beside it, synced, then renamed into place. An existing file is replaced.
-/// Fills in `result.digest`. Throws Error(kFile).
+/// The place of a result, taken before the work, so that one that cannot be written is said at once. While it is held
+/// no other program of ours writes there. All throw Error(kFile).
+class Target {
+ public:
+  /// Without `replace` an existing file is never overwritten, also when it appears later.
+  Target(const std::filesystem::path& path, bool replace);
+  ~Target();
+  Target(const Target&) = delete;
+  Target& operator=(const Target&) = delete;
+
+  /// Writes the whole result beside its place, synced, and renames it. Fills in `result.digest`. Once.
+  void write(Result& result);
+
+ private:
+  void put(std::span<const std::byte> bytes);
+  void rename_into_place();
+  [[noreturn]] void fail() const;
+
+  std::filesystem::path path_, temporary_;
+  bool replace_, made_folder_ = false;
+  int file_ = -1;
+  bool done_ = false;
+};
+
+/// Writes a result at once; an existing file is replaced.
 void write_result(Result& result, const std::filesystem::path& path);
 
 /// Reads a whole result. Throws Error(kFile) when the file is missing, not HDF5, not ours, truncated, damaged (its

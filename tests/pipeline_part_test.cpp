@@ -1,10 +1,9 @@
-#include "pipeline/part.hpp"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
 
 #include "pipeline/error.hpp"
+#include "pipeline/part.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace pipeline;
@@ -94,6 +93,48 @@ TEST(Part, TakesNoDamagedChunk) {
     EXPECT_FALSE(part.load("torn")) << "size " << size;
   }
   EXPECT_TRUE(part.load("whole"));
+}
+
+// A kill while --force empties a folder may leave chunks without their manifest: they belong to nobody, and a chunk of
+// another configuration is never taken even where one is found.
+TEST(Part, NeverTakesTheChunksOfAnotherRun) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  const PartKey other{.config_sha256 = "c2", .program_sha256 = "p1"};
+  { Part(path, kKey, "title", 100, false).save("motion-0000000", "theirs"); }
+  fs::copy_file(path / "motion-0000000", folder / "kept");
+  fs::remove(path / "manifest.json");
+  Part mine(path, other, "title", 100, false);
+  EXPECT_FALSE(mine.resumed());
+  EXPECT_FALSE(fs::exists(path / "motion-0000000"));
+  fs::copy_file(folder / "kept", path / "motion-0000000");
+  EXPECT_FALSE(mine.load("motion-0000000"));
+}
+
+// Killed between the result's rename and the folder's removal: the next run clears it away.
+TEST(Part, ACompleteFolderIsRemovedOnlyWhenItIsCompleteAndFree) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  {
+    Part part(path, kKey, "title", 100, false);
+    Part::remove_complete(path);
+    EXPECT_TRUE(fs::exists(path)) << "not complete";
+    part.mark_complete();
+    Part::remove_complete(path);
+    EXPECT_TRUE(fs::exists(path / "manifest.json")) << "another run holds it";
+  }
+  Part::remove_complete(path);
+  EXPECT_FALSE(fs::exists(path));
+}
+
+TEST(Part, RefusesManifestsOfNonsense) {
+  const TemporaryFolder folder;
+  for (const char* text : {"", "{", "[]", "{\"steps\":\"x\"}", "{\"steps\":-1}", "{\"steps\":4000000000000000000}"}) {
+    fs::create_directories(folder / "p");
+    std::ofstream(folder / "p/manifest.json") << text;
+    EXPECT_THROW(part_status(folder / "p"), Error) << text;
+    EXPECT_NE(refusal(folder / "p", kKey), "") << text;
+  }
 }
 
 TEST(Part, SaysHowFarItIs) {

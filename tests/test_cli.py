@@ -426,3 +426,89 @@ def test_knobs_that_do_not_fit_the_meshes_are_refused_before_the_run(tmp_path, s
     assert list(tmp_path.iterdir()) == []
     run = pipeline("detect", smoke, "--algorithm", "facet_distance:" + density)
     assert run.returncode == INPUT and "denser" in one_line(run)
+
+
+# ---- found by a review on 2026-11-22
+
+
+def test_an_output_that_appears_during_the_run_is_not_overwritten(tmp_path):
+    path = tmp_path / "x.h5"
+    run = start("run", SMOKE, "-o", path, *LONG)
+    assert wait_for(lambda: (tmp_path / "x.h5.part" / "motion-0000000").exists())
+    path.write_text("precious")
+    _, error = run.communicate(timeout=120)
+    assert run.returncode == FILE and "exists by now" in error
+    assert path.read_text() == "precious"
+
+
+def test_outputs_that_can_never_be_written_are_refused_before_the_run(tmp_path):
+    (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
+    for output in ("/dev/null", f"{tmp_path}/folder/", tmp_path / ("n" * 300 + ".h5"), tmp_path / "dangling"):
+        run = pipeline("run", SMOKE, "-o", output)
+        assert run.returncode == FILE, (output, run.stderr)
+        one_line(run)
+    assert pipeline("run", SMOKE, "-o", "/dev/null", "--force").returncode == FILE
+    assert pipeline("run", SMOKE, "-o", "").returncode == USAGE
+    assert not Path("/dev/null.part").exists()
+    assert [p.name for p in tmp_path.iterdir() if p.name != "dangling" and any(p.iterdir())] == []
+
+
+def test_two_writers_of_one_file_do_not_lose_answers(tmp_path, smoke):
+    path = tmp_path / "x.h5"
+    shutil.copy(smoke, path)
+    runs = [start("detect", path, "--algorithm", "facet_distance:prefilter=none@" + label) for label in ("one", "two")]
+    for run in runs:
+        run.communicate(timeout=120)
+    done = [label for label, run in zip(("one", "two"), runs) if run.returncode == DONE]
+    assert done and all(run.returncode in (DONE, FILE) for run in runs)
+    with h5py.File(path) as file:
+        assert all(label in file["answers"] for label in done)
+    assert [p.name for p in tmp_path.iterdir()] == ["x.h5"]
+
+
+def test_what_a_kill_left_behind_is_cleared_away(tmp_path, long_digest):
+    path = tmp_path / "x.h5"
+    run = start("run", SMOKE, "-o", path, *LONG)
+    assert wait_for(lambda: (tmp_path / "x.h5.part" / "truth-0000000").exists())
+    run.kill()
+    run.communicate()
+    assert pipeline("run", SMOKE, "-o", path, *LONG).returncode == DONE
+    assert digest(path) == long_digest
+    assert [p.name for p in tmp_path.iterdir()] == ["x.h5"]
+
+
+def test_detect_keeps_a_link_a_link(tmp_path, smoke):
+    shutil.copy(smoke, tmp_path / "real.h5")
+    (tmp_path / "link.h5").symlink_to("real.h5")
+    assert pipeline("detect", tmp_path / "link.h5", "--algorithm", "aabb").returncode == DONE
+    assert (tmp_path / "link.h5").is_symlink()
+    with h5py.File(tmp_path / "real.h5") as file:
+        assert "aabb" in file["answers"]
+
+
+def test_a_limit_on_files_is_code_4_not_a_signal(tmp_path):
+    def limited():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20000, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
+
+    run = pipeline("run", SMOKE, "-o", tmp_path / "x.h5", *LONG, preexec_fn=limited)
+    assert run.returncode == FILE
+    one_line(run)
+
+
+def test_odd_names_give_one_line_and_valid_json(tmp_path):
+    assert "\n" not in pipeline("show", tmp_path / "a\nb.h5").stderr.strip()
+    odd = os.fsencode(tmp_path) + b"/\xff.h5"
+    run = subprocess.run([os.fsencode(PIPELINE), b"run", os.fsencode(SMOKE), b"-o", odd, b"--set", b"steps=3", b"--json"],
+                         capture_output=True)
+    assert run.returncode == DONE
+    json.loads(run.stdout)
+
+
+def test_check_refuses_what_run_refuses(tmp_path):
+    run = pipeline("check", SMOKE, "--set", "algorithm=[{name='facet_distance', facets_per_area=1e9}]")
+    assert run.returncode == INPUT and "denser" in one_line(run)
+
+
+def test_wrong_grammar_is_one_line():
+    one_line(pipeline("fly"))
+    one_line(pipeline("run", SMOKE, "--bogus"))

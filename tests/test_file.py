@@ -348,8 +348,8 @@ def test_meta_says_where_the_result_comes_from(result_file, file):
     assert {"date", "host", "processor", "wall_time_s"} == set(meta["run"])
     for label in meta["algorithms"]:
         assert {
-            "name", "knobs", "promise", "thesis_key", "operations_unit", "scope", "timing_host", "timing_processor",
-            "timing_build", "timing_date", "digest",
+            "name", "knobs", "promise", "thesis_key", "operations_unit", "scope", "host", "processor",
+            "build", "date", "digest",
         } == set(meta["answers"][label])  # fmt: skip
 
 

@@ -1,18 +1,21 @@
-// Time of every algorithm of the table, per pair and per step, with a hash of its answers beside it: a speed-up that
-// changes the hash changed the answers.
+// Time of every algorithm of the table, per pair and per step, and of the triangle tests, each with a hash of its
+// answers beside it: a speed-up that changes the hash changed the answers.
 //
-// The step is a synthetic frame like one of the falling scene: a plate and 274 spheres of 16 segments, two thirds of
-// them in a pile and the rest in the air. Everything comes from one generator with a fixed seed.
+// The steps are the last ones of recorded motions in tests/data (run from the project's folder, as scripts/bench does).
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <random>
 
 #include "algorithms/algorithm.hpp"
+#include "geometry/exact.hpp"
 #include "geometry/shapes.hpp"
+#include "geometry/triangle.hpp"
+#include "pipeline/store.hpp"
 
 namespace {
 
@@ -47,24 +50,14 @@ struct Frame {
   }
 };
 
-const Frame& falling_frame() {
-  static const Frame frame = [] {
-    Frame out;
-    std::mt19937 random(kSeed);
-    out.bodies.meshes = {box("plate", {40, 1, 40}), sphere("sphere", 1, 16)};
-    out.add(0, true, {{}, {0, -0.5, 0}});
-    for (int i = 0; i < 274; ++i) {
-      const int column = i % 7, row = i / 7 % 7, layer = i / 49;
-      const Vec3 jitter(uniform(random), uniform(random), uniform(random));
-      const bool in_pile = layer < 4;
-      const Vec3 place = in_pile ? Vec3(2.0 * column - 6, 1 + 1.9 * layer, 2.0 * row - 6) + 0.06 * jitter
-                                 : Vec3(15 * jitter.x(), 30 + 20 * jitter.y(), 15 * jitter.z());
-      out.add(1, false, {any_turn(random), place});
-    }
-    out.runs = pair_runs(out.bodies, out.poses);
-    return out;
-  }();
-  return frame;
+/// The last step of a recorded motion.
+Frame recorded_frame(const std::string& path) {
+  pipeline::Result result = pipeline::read_result(path);
+  Frame out;
+  out.bodies = std::move(result.bodies);
+  out.poses = std::move(result.motion.back());
+  out.runs = pair_runs(out.bodies, out.poses);
+  return out;
 }
 
 /// 64 pairs of spheres of radius 1, each pair `distance` metres wide and far from the others; one run per pair.
@@ -123,22 +116,57 @@ void pairs(benchmark::State& state, const Algorithm& algorithm, double distance)
   state.SetLabel(digest(hits));
 }
 
+/// 1000 pairs of random triangles in a cube of 2 m, the second moved `apart` metres along x.
+void triangle_pairs(benchmark::State& state, bool exact, double apart) {
+  std::mt19937 random(kSeed);
+  const auto point = [&](double x) { return Vec3(uniform(random) + x, uniform(random), uniform(random)); };
+  std::vector<std::pair<Triangle, Triangle>> pairs(1000);
+  for (auto& [a, b] : pairs) {
+    a = {point(0), point(0), point(0)};
+    b = {point(apart), point(apart), point(apart)};
+  }
+  std::vector<Pair> hits;
+  for (auto _ : state) {
+    hits.clear();
+    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+      const auto& [a, b] = pairs[i];
+      if (exact ? triangles_meet(a, b) : meet_by_eleven_axes(edged(a[0], a[1], a[2]), edged(b[0], b[1], b[2])))
+        hits.push_back({i, i + 1});
+    }
+    benchmark::DoNotOptimize(hits.data());
+  }
+  state.counters["per_pair"] =
+      benchmark::Counter(1000, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.SetLabel(digest(hits));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  const std::map<std::string, Frame> frames = {{"falling", recorded_frame("tests/data/falling.h5")},
+                                               {"box", recorded_frame("tests/data/box.h5")}};
   for (const Algorithm& algorithm : algorithms::all()) {
     const std::string name = algorithm.name;
-    benchmark::RegisterBenchmark((name + "/step").c_str(), [&algorithm](benchmark::State& state) {
-      step(state, algorithm, falling_frame(), true);
-    })->Unit(benchmark::kMillisecond);
-    benchmark::RegisterBenchmark((name + "/prepare").c_str(), [&algorithm](benchmark::State& state) {
-      step(state, algorithm, falling_frame(), false);
-    })->Unit(benchmark::kMillisecond);
+    for (const auto& [scene, frame] : frames) {
+      benchmark::RegisterBenchmark((name + "/step/" + scene).c_str(), [&algorithm,
+                                                                       f = &frame](benchmark::State& state) {
+        step(state, algorithm, *f, true);
+      })->Unit(benchmark::kMillisecond);
+      benchmark::RegisterBenchmark((name + "/prepare/" + scene).c_str(), [&algorithm,
+                                                                          f = &frame](benchmark::State& state) {
+        step(state, algorithm, *f, false);
+      })->Unit(benchmark::kMillisecond);
+    }
     for (const auto& [what, distance] :
          {std::pair{"apart", 5.0}, std::pair{"near", 2.1}, std::pair{"overlapping", 1.5}})
       benchmark::RegisterBenchmark((name + "/pair/" + what).c_str(),
                                    [&algorithm, d = distance](benchmark::State& state) { pairs(state, algorithm, d); });
   }
+  for (const bool exact : {false, true})
+    for (const auto& [what, apart] : {std::pair{"apart", 3.0}, std::pair{"near", 1.0}, std::pair{"overlapping", 0.0}})
+      benchmark::RegisterBenchmark((std::string("triangle_pair/") + (exact ? "exact/" : "eleven_axes/") + what).c_str(),
+                                   [exact, d = apart](benchmark::State& state) { triangle_pairs(state, exact, d); })
+          ->Unit(benchmark::kMicrosecond);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::RunSpecifiedBenchmarks();

@@ -101,27 +101,6 @@ void building_a_hierarchy(benchmark::State& state) {
 }
 BENCHMARK(building_a_hierarchy)->ArgName("segments")->Arg(16)->Arg(700)->Unit(benchmark::kMillisecond);
 
-/// Pairs of random triangles whose boxes touch, moved apart or together along the way to each other's plane.
-void triangle_pairs(benchmark::State& state) {
-  std::mt19937_64 bits(20220801);
-  const auto real = [&] { return static_cast<double>(static_cast<std::int64_t>(bits())) * 0x1p-63; };
-  const auto point = [&] { return Vec3(real(), real(), real()); };
-  std::vector<std::pair<Triangle, Triangle>> pairs(1000);
-  for (auto& [a, b] : pairs) {
-    a = {point(), point(), point()};
-    b = {point(), point(), point()};
-    if (state.range(0) == 1) b[0] = a[2];  // a common corner: the filter cannot decide
-  }
-  std::size_t hits = 0;
-  for (auto _ : state) {
-    hits = 0;
-    for (const auto& [a, b] : pairs) hits += triangles_meet(a, b);
-  }
-  state.counters["hits"] = static_cast<double>(hits);
-  state.SetLabel(state.range(0) ? "a common corner" : "general position");
-}
-BENCHMARK(triangle_pairs)->ArgName("contact")->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
-
 }  // namespace
 
 BENCHMARK_MAIN();
