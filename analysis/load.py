@@ -71,28 +71,6 @@ class Run:
             table.attrs["status"] = file["physics"].attrs["status"]
         return table
 
-    @cached_property
-    def passes(self):
-        """One row per pass and algorithm (P x A rows, pass by pass); None when the scene has no passes.
-
-        Columns: pass (its number), target, path, orientation (names), offset (m), first_step, samples, truth_first,
-        truth_last (m from the path's start; NaN: never meets), truth_hits (samples), algorithm (categorical); first,
-        last (m before (positive) or after the exact first and last contact; NaN: none), flicker, hits (samples).
-        """
-        columns = self._columns("passes")
-        if not columns:
-            return None
-        labels = self.meta["algorithms"]
-        count = len(columns["target"])
-        table = {"pass": np.repeat(np.arange(count), len(labels))}
-        for name, values in columns.items():
-            if values.ndim == 2:
-                continue
-            text = values.dtype == object
-            table[name] = np.repeat([v.decode() for v in values] if text else values, len(labels))
-        table["algorithm"] = pd.Categorical.from_codes(np.tile(np.arange(len(labels)), count), labels)
-        return pd.DataFrame(table | {name: v.ravel() for name, v in columns.items() if v.ndim == 2})
-
     def pairs(self, label):
         """The pairs that an algorithm reported. Columns: step, a, b (numbers of bodies, a < b); N rows, sorted.
 

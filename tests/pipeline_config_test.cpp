@@ -76,6 +76,34 @@ void expect_same_scene(const BoxScene& a, const BoxScene& b) {
   EXPECT_EQ(a.push.directions, b.push.directions);
 }
 
+std::string written(const Shape& shape) {
+  TomlText out;
+  write_shape(shape, out);
+  return out.text;
+}
+
+void expect_same_turn(const geometry::Quaternion& a, const geometry::Quaternion& b) {
+  EXPECT_TRUE(a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z);
+}
+
+void expect_same_scene(const PlaygroundScene& a, const PlaygroundScene& b) {
+  EXPECT_EQ(a.step, b.step);
+  EXPECT_EQ(written(a.hero), written(b.hero));
+  ASSERT_EQ(a.obstacles.size(), b.obstacles.size());
+  for (std::size_t i = 0; i < a.obstacles.size(); ++i) {
+    EXPECT_EQ(a.obstacles[i].name, b.obstacles[i].name);
+    EXPECT_EQ(written(a.obstacles[i].shape), written(b.obstacles[i].shape));
+    expect_same_turn(a.obstacles[i].orientation, b.obstacles[i].orientation);
+  }
+  ASSERT_EQ(a.paths.size(), b.paths.size());
+  for (std::size_t i = 0; i < a.paths.size(); ++i) {
+    const PlaygroundPath &p = a.paths[i], &q = b.paths[i];
+    EXPECT_TRUE(p.name == q.name && p.targets == q.targets && p.axis == q.axis && p.offset == q.offset) << i;
+    EXPECT_TRUE(p.from == q.from && p.to == q.to && p.hero == q.hero) << i;
+    expect_same_turn(p.orientation, q.orientation);
+  }
+}
+
 void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(a.title, b.title);
   EXPECT_EQ(a.seed, b.seed);

@@ -107,7 +107,7 @@ def test_positions_are_those_of_geometry(result):
 
     ring = table[table["target"] == "ring"]
     assert ring["truth_first"].isna().all() and ring["first"].isna().all()
-    assert (ring["truth_hits"] == 0).all() and (ring["hits"] > 0).all()  # both see no hole
+    assert (ring["truth_hits"] == 0).all() and (ring["reported"] > 0).all()  # both see no hole
 
 
 def test_samples_of_a_pass_are_its_steps(result):
@@ -141,8 +141,8 @@ def test_detect_adds_a_column(pipeline, result, tmp_path):
     np.testing.assert_array_equal(old["first"], before["first"])
     half = after[after["algorithm"] == "half"]
     assert len(half) == 3
-    assert half[half["target"] == "ring"]["hits"].item() == 0  # sees the hole
-    assert (half[half["target"] == "cube"]["hits"] > 0).all()
+    assert half[half["target"] == "ring"]["reported"].item() == 0  # sees the hole
+    assert (half[half["target"] == "cube"]["reported"] > 0).all()
 
 
 def test_more_steps_than_the_paths_have_are_refused(pipeline, config, tmp_path):
