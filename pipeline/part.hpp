@@ -22,7 +22,7 @@ constexpr std::int64_t kChunkSteps = 50;
 struct PartKey {
   std::string config_sha256;   // of the effective configuration
   std::string program_sha256;  // of the program's own file
-  std::string inputs_sha256;   // of the list of all other files read, with their hashes
+  std::string inputs_sha256 = {};  // of the list of all other files read, with their hashes
   bool operator==(const PartKey&) const = default;
 };
 

@@ -56,7 +56,7 @@ struct Summary {
   double error = 0, precision = 0, recall = 0, matthews = 0;
   double time_mean_ns = 0, time_median_ns = 0, time_p95_ns = 0;
   bool promise_kept = true;
-  std::optional<std::uint64_t> contained_hit;  // with Containment::record
+  std::optional<std::uint64_t> contained_hit = std::nullopt;  // with Containment::record
 };
 
 struct Truth {

@@ -49,6 +49,18 @@ void expect_same_scene(const FallingScene& a, const FallingScene& b) {
   }
 }
 
+void expect_same_scene(const ReplayScene& a, const ReplayScene& b) {
+  EXPECT_EQ(a.poses, b.poses);
+  EXPECT_EQ(a.motion, b.motion);
+  EXPECT_EQ(a.only, b.only);
+  ASSERT_EQ(a.bodies.size(), b.bodies.size());
+  for (std::size_t i = 0; i < a.bodies.size(); ++i) {
+    const ReplayBody &s = a.bodies[i], &t = b.bodies[i];
+    EXPECT_TRUE(s.name == t.name && s.mesh == t.mesh && s.shape.has_value() == t.shape.has_value()) << i;
+    EXPECT_TRUE(s.fixed == t.fixed && s.position == t.position && s.orientation == t.orientation) << i;
+  }
+}
+
 void expect_same_scene(const BoxScene& a, const BoxScene& b) {
   EXPECT_EQ(a.segments, b.segments);
   EXPECT_EQ(a.radius, b.radius);

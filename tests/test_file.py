@@ -83,6 +83,11 @@ def columns(file):
     return {path: found for path, found in datasets(file).items() if not is_scale(found)}
 
 
+def counted_apart(file):
+    """The column that only files with recorded containment have."""
+    return {"contained_hit"} if file["truth"].attrs.get("containment") == "record" else set()
+
+
 def groups(file):
     return ["/"] + [path for path, found in objects(file) if isinstance(found, h5py.Group)]
 
@@ -107,9 +112,8 @@ def test_holds_the_documented_datasets_and_no_other(file):
     for path in DIMENSIONS:
         if "<>" not in path and path != "/bodies/chosen" and "contained" not in path:
             assert path in found, path
-    apart = {"contained_hit"} if file["truth"].attrs.get("containment") == "record" else set()
-    assert set(file["results"]) == RESULT_COLUMNS | apart | {"step", "algorithm"}
-    assert set(file["summary"]) == SUMMARY_COLUMNS | apart | {"algorithm"}
+    assert set(file["results"]) == RESULT_COLUMNS | counted_apart(file) | {"step", "algorithm"}
+    assert set(file["summary"]) == SUMMARY_COLUMNS | counted_apart(file) | {"algorithm"}
     if "physics" in file:
         assert set(file["physics"]) == PHYSICS_COLUMNS | {"step"}
     for label in file["algorithm"].asstr():
@@ -188,7 +192,7 @@ def test_chunks_are_whole_and_within_fixed_dimensions(file):
             assert chunk <= max(size, 1) and (most is None or chunk <= most), path
         names = [path.split("/")[-1]] if is_scale(dataset) else documented(path)
         for name, most in zip(names, dataset.maxshape):
-            assert (most is None) == (name in ("step", "boundary", "entry")), f"{path}: {name}"
+            assert (most is None) == (name in ("step", "boundary", "entry", "contained_entry")), f"{path}: {name}"
         if dataset.chunks and not is_scale(dataset):
             assert dataset.shuffle and dataset.compression == "gzip", path
 
@@ -292,7 +296,7 @@ def test_per_step_is_tidy(result_file, file):
     table = run.per_step
     steps, labels = len(file["step"]), list(file["algorithm"].asstr())
     assert len(table) == steps * len(labels)
-    assert set(table.columns) == RESULT_COLUMNS | {"step", "time", "algorithm"}
+    assert set(table.columns) == RESULT_COLUMNS | counted_apart(file) | {"step", "time", "algorithm"}
     for column, label in enumerate(labels):
         mine = table[table.algorithm == label]
         np.testing.assert_array_equal(mine.step, np.arange(steps))
@@ -304,7 +308,7 @@ def test_per_step_is_tidy(result_file, file):
 def test_summary_is_indexed_by_algorithm(result_file, file):
     summary = load(result_file).summary
     assert list(summary.index) == list(file["algorithm"].asstr())
-    assert set(summary.columns) == SUMMARY_COLUMNS
+    assert set(summary.columns) == SUMMARY_COLUMNS | counted_apart(file)
     assert summary.promise_kept.dtype == bool
     for name in SUMMARY_COLUMNS:
         np.testing.assert_array_equal(summary[name], file["summary"][name], err_msg=name)
