@@ -72,7 +72,9 @@ class Method {
   /// Appends to `hits` the pairs among `runs` that the algorithm reports, each once, in any order. After prepare.
   virtual void answer(std::span<const PairRun> runs, std::vector<Pair>& hits) = 0;
 
-  /// The same answers, and how many elementary tests they took (unit: Algorithm::operations_unit). Not timed.
+  /// The same answers, and how many elementary tests `answer` makes for them (unit: Algorithm::operations_unit), its
+  /// cheap rejections one each and its prefilter's included: not those of the published procedure where it leaves some
+  /// out. The same on every machine. Not timed.
   virtual std::uint64_t count(std::span<const PairRun> runs, std::vector<Pair>& hits) = 0;
 };
 

@@ -115,13 +115,36 @@ class CannonSap final : public Method {
   }
 
   void answer(std::span<const PairRun> runs, std::vector<Pair>& hits) override {
+    NoCount none;
+    sweep(runs, hits, none);
+  }
+
+  std::uint64_t count(std::span<const PairRun> runs, std::vector<Pair>& hits) override {
+    Counter counter;
+    sweep(runs, hits, counter);
+    return counter.total;
+  }
+
+ private:
+  struct Entry {
+    double lower, radius;
+    std::uint32_t body;
+  };
+
+  template <class Count>
+  void sweep(std::span<const PairRun> runs, std::vector<Pair>& hits, Count& count) {
     index(runs);
     constexpr std::uint32_t block = 1024;
     std::array<std::uint8_t, block> hit;
     const auto size = static_cast<std::uint32_t>(order_.size());
     for (std::uint32_t i = 0; i < size; ++i) {
-      const auto gap = std::upper_bound(lower_.begin() + i + 1, lower_.end(), upper_[i]);
+      const auto gap =
+          std::upper_bound(lower_.begin() + i + 1, lower_.end(), upper_[i], [&](double upper, double lower) {
+            count += 1;
+            return upper < lower;
+          });
       const auto end = static_cast<std::uint32_t>(gap - lower_.begin());
+      count += end - i - 1;  // the spheres
       for (std::uint32_t first = i + 1; first < end; first += block) {
         const std::uint32_t last = std::min(end, first + block);
         overlap_row(spheres_, i, first, last, hit.data());
@@ -130,26 +153,6 @@ class CannonSap final : public Method {
       }
     }
   }
-
-  std::uint64_t count(std::span<const PairRun> runs, std::vector<Pair>& hits) override {
-    index(runs);
-    std::uint64_t total = 0;
-    for (std::uint32_t i = 0; i < order_.size(); ++i)
-      for (std::uint32_t k = i + 1; k < order_.size(); ++k) {
-        ++total;  // the bounds
-        if (lower_[k] > upper_[i]) break;
-        if (fixed_[order_[i].body] && fixed_[order_[k].body]) continue;
-        ++total;  // the spheres
-        if (spheres_.overlap(i, k)) report(runs, i, k, hits);
-      }
-    return total;
-  }
-
- private:
-  struct Entry {
-    double lower, radius;
-    std::uint32_t body;
-  };
 
   /// Where each body's runs begin.
   void index(std::span<const PairRun> runs) {

@@ -1,7 +1,8 @@
 // cannon_naive, cannon_sap: the collision phases of the physics engine that the thesis compares with.
 //
 // Source  Příbyl 2022, section 2.3: Cannon.js with its NaiveBroadphase and its SAPBroadphase along x.
-// Cost    naive: 1 distance per pair. sap: a sort of the bodies per step, then the pairs that overlap along x.
+// Cost    naive: 1 distance per pair. sap: a sort of the bodies per step, then per body a bisection of the bounds, and
+//         1 distance per pair that overlaps along x.
 // Misses  Nothing that meets. Spheres that only touch are no hit, as published.
 // Extra   Everything inside the spheres and outside the meshes.
 //

@@ -307,7 +307,7 @@ Algorithm facet_distance() {
   return {.name = "facet_distance",
           .thesis_key = "K",
           .what = "the nearest facet points of two bodies are nearer than a limit",
-          .operations_unit = "distances",
+          .operations_unit = with_prefilter("distances and boxes"),
           .promise = Promise::none,
           .knobs = {{.name = "max_distance",
                      .preset = 0.25,

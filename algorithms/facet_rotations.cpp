@@ -252,7 +252,7 @@ Algorithm facet_rotations() {
   return {.name = "facet_rotations",
           .thesis_key = "U",
           .what = "triangles between inflated facet points are not parted on any direction of a grid of rotations",
-          .operations_unit = "intervals",
+          .operations_unit = with_prefilter("intervals"),
           .promise = Promise::none,
           .knobs = {{.name = "stride",
                      .preset = std::int64_t{20},  // thesis 4.1: every twentieth facet

@@ -107,7 +107,7 @@ Algorithm facet_triangles() {
   return {.name = "facet_triangles",
           .thesis_key = "I",
           .what = "triangles between inflated facet points pass the 11-axis test",
-          .operations_unit = "planes and triangle pairs",
+          .operations_unit = with_prefilter("planes and triangle pairs"),
           .promise = Promise::none,
           .knobs = {{.name = "stride",
                      .preset = std::int64_t{20},  // thesis 4.1: every twentieth facet

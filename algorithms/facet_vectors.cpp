@@ -179,7 +179,7 @@ Algorithm facet_vectors() {
   return {.name = "facet_vectors",
           .thesis_key = "P",
           .what = "vectors between facet points face all four ways in a plane and are short across it",
-          .operations_unit = "vectors",
+          .operations_unit = with_prefilter("bounds and vectors"),
           .promise = Promise::none,
           .knobs = {{.name = "stride",
                      .preset = std::int64_t{20},  // thesis 4.1: every twentieth facet

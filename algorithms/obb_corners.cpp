@@ -1,7 +1,7 @@
 #include "algorithms/obb_corners.hpp"
 
 #include <cmath>
-#include <type_traits>
+#include <utility>
 
 #include "algorithms/pairwise.hpp"
 #include "geometry/kernel.hpp"
@@ -20,21 +20,9 @@ struct TurnedBox {
   TurnXyz back;
 };
 
-/// The published test, one corner after the other, counted.
-template <class Count>
-bool corner_inside(const TurnedBox& a, const TurnedBox& b, Count& count) {
-  for (int k = 0; k < 8; ++k) {
-    count += 1;
-    double x = a.x[k] + (a.centre[0] - b.centre[0]), y = a.y[k] + (a.centre[1] - b.centre[1]),
-           z = a.z[k] + (a.centre[2] - b.centre[2]);
-    apply(b.back, x, y, z);
-    if (std::fabs(x) <= b.half[0] && std::fabs(y) <= b.half[1] && std::fabs(z) <= b.half[2]) return true;
-  }
-  return false;
-}
-
-/// The same for both orders of the pair, eight corners at once.
-PROCESSOR_CLONES bool any_corner_inside(const TurnedBox& first, const TurnedBox& second) {
+/// The published test, eight corners at once: 0 when one of the first box is inside the second, otherwise 1 when one of
+/// the second is inside the first, otherwise 2.
+PROCESSOR_CLONES int order_with_corner_inside(const TurnedBox& first, const TurnedBox& second) {
   const TurnedBox *a = &first, *b = &second;
   for (int order = 0; order < 2; ++order, std::swap(a, b)) {
     const double dx = a->centre[0] - b->centre[0], dy = a->centre[1] - b->centre[1], dz = a->centre[2] - b->centre[2];
@@ -50,9 +38,9 @@ PROCESSOR_CLONES bool any_corner_inside(const TurnedBox& first, const TurnedBox&
     }
     std::int64_t any = 0;
     for (int k = 0; k < 8; ++k) any |= inside[k];
-    if (any) return true;
+    if (any) return order;
   }
-  return false;
+  return 2;
 }
 
 /// Marks the bodies first ... last - 1 that are near enough to a for a corner to reach. Turns keep lengths but for
@@ -102,13 +90,19 @@ struct ObbCorners {
 
   template <class Count>
   bool hit(std::uint32_t a, std::uint32_t b, Count& count) const {
-    return corner_inside(boxes[a], boxes[b], count) || corner_inside(boxes[b], boxes[a], count);
+    count += 1;
+    std::uint8_t near;
+    within_reach(x.data(), y.data(), z.data(), r.data(), a, b, b + 1, &near);
+    if (!near) return false;
+    const int order = order_with_corner_inside(boxes[a], boxes[b]);
+    count += order == 0 ? 8 : 16;
+    return order < 2;
   }
 
   void row(std::uint32_t a, std::uint32_t first, std::uint32_t last, std::uint8_t* out) const {
     within_reach(x.data(), y.data(), z.data(), r.data(), a, first, last, out);
     for (std::uint32_t b = first; b < last; ++b)
-      if (out[b - first]) out[b - first] = any_corner_inside(boxes[a], boxes[b]);
+      if (out[b - first]) out[b - first] = order_with_corner_inside(boxes[a], boxes[b]) < 2;
   }
 
   std::vector<Vec3> half;        // metres
@@ -123,7 +117,7 @@ Algorithm obb_corners() {
   return {.name = "obb_corners",
           .thesis_key = "L",
           .what = "a corner of one turned box is inside the other",
-          .operations_unit = "points in box",
+          .operations_unit = "distances, and points in box",
           .promise = Promise::none,
           .make = make_pairwise<ObbCorners>};
 }

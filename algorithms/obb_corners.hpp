@@ -1,7 +1,8 @@
 // obb_corners: tests whether a corner of one turned box is inside the other.
 //
 // Source  Příbyl 2022, sections 2.2 and 4.1, "OBB" (key L).
-// Cost    16 points in a box per pair at most; 8 turned corners per body and step.
+// Cost    1 distance per pair; where corners may reach, 8 points in a box each way, the second way if the first has
+//         none inside; 8 turned corners per body and step.
 // Misses  Bodies that cross without a corner inside (a long capsule through a thin slab, two crossed planks), and
 //         bodies turned about more than one axis or about x beyond 90 degrees, whose box is another one.
 // Extra   Whatever the box adds around the mesh, and the box being another one.

@@ -4,10 +4,12 @@
 //   Test(const Bodies&, const Knobs&)                          once per run
 //   void prepare(std::span<const Pose>, double enlarge)        once per step
 //   template <class Count> bool hit(uint32 a, uint32 b, Count& count)
-// where `count += n` notes n elementary tests; in the timed pass Count does nothing and vanishes. A test may offer
+// where `count += n` notes n elementary tests; in the timed pass Count does nothing and vanishes. What is made counts:
+// a cheap rejection is one test, tests that a loop makes together (points, directions) are all of them. Axes of a pair
+// count up to the first that parts it, also where a row looks at all of them by one mask. A test may offer
 //   void row(uint32 a, uint32 first, uint32 last, uint8* hit)  hit[i] = 1 when (a, first + i) is a hit, else 0
-// with the same answers as `hit`: one body against a contiguous block of others, for loops that vectorise.
-// The loop sees the test's body, so a test lives in its .cpp and is inlined here.
+// with the same answers as `hit`, which then counts for it: one body against a contiguous block of others, for loops
+// that vectorise. The loop sees the test's body, so a test lives in its .cpp and is inlined here.
 #pragma once
 #include <algorithm>
 #include <array>

@@ -12,6 +12,8 @@ Knob prefilter_knob() {
                       "facet_vectors", "obb_triangles", "facet_triangles", "facet_rotations", "aabb", "cannon_naive"}};
 }
 
+std::string with_prefilter(std::string_view unit) { return std::string(unit) + ", and the prefilter's operations"; }
+
 std::unique_ptr<Method> make_prefilter(const Bodies& bodies, const Knobs& knobs) {
   const auto& name = value_of<std::string>(knobs, "prefilter");
   if (name == "none") return nullptr;

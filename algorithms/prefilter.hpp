@@ -2,7 +2,7 @@
 //
 // The thesis proposes to find the best combination (section 6.1), so the prefilter is a knob: "none", or the name of
 // any pairwise algorithm, which then runs with its presets. It answers all pairs of a step first; the precise test
-// then visits its candidates.
+// then visits its candidates. Operations are those of both.
 #pragma once
 #include "algorithms/pairwise.hpp"
 
@@ -10,6 +10,9 @@ namespace algorithms {
 
 /// The knob `prefilter`, rotated_aabb by default.
 Knob prefilter_knob();
+
+/// Algorithm::operations_unit of a row with a prefilter, from the unit of its own tests: names the prefilter's as well.
+std::string with_prefilter(std::string_view unit);
 
 /// The prefilter that `knobs` name, for these bodies; nullptr for "none". `knobs` has a prefilter.
 std::unique_ptr<Method> make_prefilter(const Bodies& bodies, const Knobs& knobs);

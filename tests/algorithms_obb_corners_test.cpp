@@ -145,17 +145,20 @@ TEST(ObbCorners, FindsCornersThatOnlyJustReach) {
   EXPECT_TRUE(met(kCube, {{}, {1024, 0, 0}}, kCube, {{}, {1026, 2, 2}}));
 }
 
-TEST(ObbCorners, CountsThePointsItTried) {
-  const auto operations = [&](const Vec3& at) {
-    const Setting setting = Setting().add(kCube, {}).add(kCube, {{}, at});
+TEST(ObbCorners, CountsTheDistanceAndThePointsOfEachWayItTried) {
+  const Mesh big = geometry::box("big", {10, 10, 10});
+  const auto operations = [&](const Mesh& first, const Mesh& second, const Vec3& at) {
+    const Setting setting = Setting().add(first, {}).add(second, {{}, at});
     const auto method = make("obb_corners", setting.bodies);
     std::vector<Pair> found;
     method->prepare(setting.poses);
     return method->count(setting.runs(), found);
   };
-  EXPECT_EQ(operations({0, 0, 0}), 1u);
-  EXPECT_EQ(operations({1, 1, 1}), 8u) << "the last corner of the first";
-  EXPECT_EQ(operations({9, 9, 9}), 16u);
+  EXPECT_EQ(operations(kCube, kCube, {9, 9, 9}), 1u) << "the half diagonals, 2 root 3 together, do not reach";
+  EXPECT_EQ(operations(kCube, kCube, {1, 1, 1}), 1u + 8) << "a corner of the first in the second";
+  EXPECT_EQ(operations(kCube, big, {1, 2, 3}), 1u + 8);
+  EXPECT_EQ(operations(big, kCube, {1, 2, 3}), 1u + 8 + 8) << "corners of the second only";
+  EXPECT_EQ(operations(kCube, kCube, {3, 0, 0}), 1u + 8 + 8) << "within reach, no corner inside";
 }
 
 }  // namespace

@@ -225,16 +225,22 @@ TEST(ObbTriangles, AnswersAsDefinedWhereRoundingDecides) {
   }
 }
 
-TEST(ObbTriangles, CountsThePairsOfTrianglesAndThePrefilter) {
+TEST(ObbTriangles, CountsPlanesThePairsOfTrianglesTheyLeaveAndThePrefilter) {
   const auto operations = [&](const Vec3& at, const Changed& changed) {
-    const Setting setting = Setting().add(kCube, {}).add(kCube, {turn_deg({1, 2, 3}, 20), at});
+    const Setting setting = Setting().add(kCube, {}).add(kCube, {{}, at});
     const auto method = make("obb_triangles", setting.bodies, changed);
     std::vector<Pair> found;
     method->prepare(setting.poses);
     return method->count(setting.runs(), found);
   };
-  EXPECT_EQ(operations({9, 0, 0}, kAlone), 144u);
+  EXPECT_EQ(operations({10, 10, 10}, kAlone), 12u) << "each plane has all of the other cube on one side";
+  // All planes have all of the other cube on one side but y = 1 and z = 1 of the first, y = -0.5 and
+  // z = -0.75 of the second. Parallel faces are parted by either plane. Left are y = 1 with z = -0.75, and z = 1 with
+  // y = -0.5, of two triangles each; none of them meet, being 8 m apart.
+  EXPECT_EQ(operations({10, 0.5, 0.25}, kAlone), 12u + 4 + 4);
+  EXPECT_EQ(operations({0, 0, 0}, kAlone), 12u + 1) << "the first triangles are the same";
   EXPECT_EQ(operations({9, 0, 0}, {}), 1u) << "one axis of the prefilter";
+  EXPECT_EQ(operations({0, 0, 0}, {}), 3u + 12 + 1) << "three axes of the prefilter";
 }
 
 }  // namespace

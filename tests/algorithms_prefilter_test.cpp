@@ -69,6 +69,13 @@ TEST(Prefilter, OperationsAreItsOwnAndThoseOfTheCandidates) {
   EXPECT_EQ(operations("obb_triangles", three, behind), 3 + operations("obb_triangles", near, alone));
 }
 
+TEST(Prefilter, IsNamedByTheUnitOfOperations) {
+  EXPECT_EQ(with_prefilter("vectors"), "vectors, and the prefilter's operations");
+  for (const Algorithm& algorithm : all())
+    EXPECT_EQ(algorithm.operations_unit.ends_with(with_prefilter("")), presets(algorithm).count("prefilter") == 1)
+        << algorithm.name;
+}
+
 TEST(Prefilter, MayBeTheAlgorithmItself) {
   std::mt19937 random(102);
   SCOPED_TRACE("seed 102");
