@@ -113,6 +113,17 @@ def test_nothing_but_errors_on_stderr_when_it_is_no_terminal(tmp_path):
     assert pipeline("run", SMOKE, "-o", tmp_path / "x.h5", "--set", "steps=3").stderr == ""
 
 
+@pytest.mark.parametrize("config", sorted((ROOT / "configs").glob("*.toml")), ids=lambda path: path.stem)
+def test_every_configuration_runs(tmp_path, config):
+    """The first three steps of each, every algorithm of it included."""
+    assert pipeline("check", config).returncode == DONE
+    run = pipeline("run", config, "-o", tmp_path / "x.h5", "--set", "steps=3", "--set", "timing.repeats=1", "--json")
+    assert run.returncode == DONE, run.stderr
+    shown = json.loads(run.stdout)
+    assert shown["steps"] == 3
+    assert all(row["promise_kept"] for row in shown["algorithms"])
+
+
 # ---- detect
 
 
