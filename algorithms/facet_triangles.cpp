@@ -10,6 +10,7 @@
 #include <cmath>
 #include <vector>
 
+#include "algorithms/facet_knobs.hpp"
 #include "algorithms/prefilter.hpp"
 #include "geometry/facets.hpp"
 #include "geometry/triangle.hpp"
@@ -109,28 +110,7 @@ Algorithm facet_triangles() {
           .what = "triangles between inflated facet points pass the 11-axis test",
           .operations_unit = with_prefilter("planes and triangle pairs"),
           .promise = Promise::none,
-          .knobs = {{.name = "stride",
-                     .preset = std::int64_t{20},  // thesis 4.1: every twentieth facet
-                     .unit = "1",
-                     .what = "every stride-th facet is sampled",
-                     .least = 1,
-                     .most = 1e9},
-                    {.name = "inflate",
-                     .preset = 1.1,
-                     .unit = "1",
-                     .what = "factor on the sampled points, about the body's origin",
-                     .least = 1e-3,
-                     .most = 1e3},
-                    {.name = "triangles",
-                     .preset = std::string("disjoint"),
-                     .unit = "1",
-                     .what = "triangles of consecutive points: (0,1,2), (3,4,5), ... or (0,1,2), (1,2,3), ...",
-                     .choices = {"disjoint", "strip"}},
-                    prefilter_knob(),
-                    {.name = "densify",
-                     .preset = false,
-                     .unit = "1",
-                     .what = "cut the facets of a mesh that has fewer than 8 per m^2 of its box"}},
+          .knobs = {stride_knob(), inflate_knob(), triangles_knob(), prefilter_knob(), densify_knob()},
           .make = make_filtered<FacetTriangles>};
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "algorithms/facet_knobs.hpp"
 #include "algorithms/prefilter.hpp"
 #include "geometry/facets.hpp"
 #include "geometry/kernel.hpp"
@@ -181,12 +182,7 @@ Algorithm facet_vectors() {
           .what = "vectors between facet points face all four ways in a plane and are short across it",
           .operations_unit = with_prefilter("bounds and vectors"),
           .promise = Promise::none,
-          .knobs = {{.name = "stride",
-                     .preset = std::int64_t{20},  // thesis 4.1: every twentieth facet
-                     .unit = "1",
-                     .what = "every stride-th facet is sampled",
-                     .least = 1,
-                     .most = 1e9},
+          .knobs = {stride_knob(),
                     {.name = "max_third",
                      .preset = 0.5,
                      .unit = "m",
@@ -194,10 +190,7 @@ Algorithm facet_vectors() {
                      .least = 0,
                      .most = 1e9},
                     prefilter_knob(),
-                    {.name = "densify",
-                     .preset = false,
-                     .unit = "1",
-                     .what = "cut the facets of a mesh that has fewer than 8 per m^2 of its box"}},
+                    densify_knob()},
           .make = make_filtered<FacetVectors>};
 }
 

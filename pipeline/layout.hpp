@@ -81,7 +81,8 @@ struct Column {
 inline constexpr Column<Answers, std::vector<std::int64_t>> kResultTimes[] = {
     {"time_ns", &Answers::time_ns, "ns", "fastest repeat of the step, preparation included"},
     {"time_median_ns", &Answers::time_median_ns, "ns", "median repeat of the step, preparation included"},
-    {"prepare_ns", &Answers::prepare_ns, "ns", "preparation of the bodies in the fastest repeat"}};
+    {"prepare_ns", &Answers::prepare_ns, "ns",
+     "of the fastest repeat, what was made ready for all bodies before the first pair"}};
 inline constexpr Column<Answers, std::vector<std::uint64_t>> kResultCounts[] = {
     {"true_positive", &Answers::true_positive, "1", "pairs reported that truly meet"},
     {"false_positive", &Answers::false_positive, "1",

@@ -143,7 +143,7 @@ Result run(const Config& config, const RunOptions& options) {
   result.provenance.inputs_sha256 = inputs;
   result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   part.mark_complete();
-  target.write(result);
+  write_result(result, target);
   part.remove();
   return result;
 }
@@ -203,7 +203,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     result.summary[at] = summarise(answers, pairs);
     result.answers[at] = std::move(answers);
   }
-  target.write(result);
+  write_result(result, target);
   return result;
 }
 

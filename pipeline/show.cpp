@@ -328,6 +328,12 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
       text += "bodies wholly inside others are listed and count as meeting\n";
       break;
   }
+  const bool facets = std::ranges::any_of(config.algorithms, [](const AlgorithmChoice& choice) {
+    return choice.knobs.contains("densify") ||
+           (choice.knobs.contains("prefilter") &&
+            std::get<std::string>(choice.knobs.at("prefilter")).starts_with("facet_"));
+  });
+  if (!facets) text += "facets      no chosen algorithm samples them, so no facet points are computed\n";
   for (const auto& [file, hash] : config.inputs) text += "input       " + file + "\n";
   for (const AlgorithmChoice& choice : config.algorithms)
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +

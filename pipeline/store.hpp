@@ -3,39 +3,18 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <span>
 #include <string>
 
 #include "pipeline/result.hpp"
+#include "pipeline/target.hpp"
 
 namespace pipeline {
 
 /// Grows when a name, unit or meaning in the file changes. A newer one is refused.
 constexpr int kSchemaVersion = 1;
 
-/// The place of a result, taken before the work, so that one that cannot be written is said at once. While it is held
-/// no other program of ours writes there. All throw Error(kFile).
-class Target {
- public:
-  /// Without `replace` an existing file is never overwritten, also when it appears later.
-  Target(const std::filesystem::path& path, bool replace);
-  ~Target();
-  Target(const Target&) = delete;
-  Target& operator=(const Target&) = delete;
-
-  /// Writes the whole result beside its place, synced, and renames it. Fills in `result.digest`. Once.
-  void write(Result& result);
-
- private:
-  void put(std::span<const std::byte> bytes);
-  void rename_into_place();
-  [[noreturn]] void fail() const;
-
-  std::filesystem::path path_, temporary_;
-  bool replace_, made_folder_ = false;
-  int file_ = -1;
-  bool done_ = false;
-};
+/// Writes the whole result at its place. Fills in `result.digest`. Throws Error(kFile).
+void write_result(Result& result, Target& target);
 
 /// Writes a result at once; an existing file is replaced.
 void write_result(Result& result, const std::filesystem::path& path);

@@ -282,3 +282,19 @@ TEST_P(Every, EnlargesByThePlaceToo) {
 
 }  // namespace
 }  // namespace algorithms
+
+// The vertices' box of this mesh has a surface that is no double, so whoever makes it denser refuses it. Rows that do
+// not sample facets are set up: they never ask for facet points.
+TEST(Algorithms, OnlyMethodsOnFacetsComputeFacetPoints) {
+  setting::Setting huge;
+  huge.add(geometry::box("huge", {1e200, 1e200, 1e200}), {});
+  for (const algorithms::Algorithm& row : algorithms::all()) {
+    algorithms::Knobs knobs = algorithms::presets(row);
+    const bool samples = knobs.contains("densify");
+    if (samples) knobs["densify"] = true;
+    if (samples)
+      EXPECT_THROW(row.make(huge.bodies, knobs), std::invalid_argument) << row.name;
+    else
+      EXPECT_NO_THROW(row.make(huge.bodies, knobs)) << row.name;
+  }
+}
