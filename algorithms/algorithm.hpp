@@ -81,7 +81,7 @@ class Method {
 /// One row of the table of algorithms.
 struct Algorithm {
   std::string name;             // file name, TOML name and HDF5 name
-  std::string thesis_key;       // the letter of the thesis, or empty
+  std::string thesis_key = {};  // the letter of the thesis, or empty
   std::string what;             // one line
   std::string operations_unit;  // what `count` counts
   Promise promise = Promise::none;

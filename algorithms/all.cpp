@@ -1,7 +1,8 @@
 // The table of algorithms: one line each, the thesis's nine in its order, then those of other sources.
 #include "algorithms/aabb.hpp"
 #include "algorithms/bounding_sphere.hpp"
-#include "algorithms/cannon.hpp"
+#include "algorithms/cannon_naive.hpp"
+#include "algorithms/cannon_sap.hpp"
 #include "algorithms/facet_distance.hpp"
 #include "algorithms/facet_rotations.hpp"
 #include "algorithms/facet_triangles.hpp"

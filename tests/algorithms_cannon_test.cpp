@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "algorithms/cannon.hpp"
+#include "algorithms/cannon_naive.hpp"
 #include "tests/setting.hpp"
 
 namespace algorithms {

@@ -1,0 +1,17 @@
+// cannon_naive: the physics engine that the thesis compares with, every pair visited.
+//
+// Source  Příbyl 2022, section 2.3: Cannon.js with its NaiveBroadphase.
+// Cost    1 distance per pair.
+// Misses  Nothing that meets. Spheres that only touch are no hit, as published.
+// Extra   Everything inside the spheres and outside the meshes.
+//
+// Three phases: pairs by the broad phase, a filter that drops two fixed bodies, and the test of bounding spheres
+// (geometry/spheres.hpp).
+#pragma once
+#include "algorithms/algorithm.hpp"
+
+namespace algorithms {
+
+Algorithm cannon_naive();
+
+}  // namespace algorithms
