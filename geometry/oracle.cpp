@@ -28,9 +28,7 @@ struct Vec {
   bool zero() const { return x == 0 && y == 0 && z == 0; }
 };
 Vec operator-(const Vec& a, const Vec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vec cross(const Vec& a, const Vec& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+Vec cross(const Vec& a, const Vec& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 Number dot(const Vec& a, const Vec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 Vec exact(const Vec3& p) { return {Number(p.x()), Number(p.y()), Number(p.z())}; }
@@ -144,21 +142,17 @@ bool triangles_meet(const Triangle& s, const Triangle& t) {
     }
   for (const Vec& n : normals)
     for (const Vec& e : edges)
-      if (dot(n, e) != 0) return true;  // B - A has a volume: no other normals exist
-
-  std::vector<Vec> directions(edges.begin(), edges.end());
-  directions.push_back(b[0] - a[0]);
-  for (std::size_t i = 0; i < directions.size(); ++i) {
-    if (separates(directions[i], a, b)) return false;
-    for (std::size_t j = 0; j < i; ++j) {
-      const Vec n = cross(directions[i], directions[j]);
-      if (n.zero()) continue;
-      if (separates(n, a, b)) return false;
-      for (const Vec& f : directions)
-        if (separates(cross(n, f), a, b)) return false;
-    }
+      if (dot(n, e) != 0) return true;  // three dimensions: no other normals exist
+  for (const Vec& n : normals) {
+    if (n.zero()) continue;
+    for (const Vec& e : edges)
+      if (separates(cross(n, e), a, b)) return false;
+    return true;  // two
   }
-  return true;
+  const Vec w = b[0] - a[0];
+  for (const Vec& e : edges)
+    if (separates(e, a, b) || separates(cross(cross(e, w), e), a, b)) return false;
+  return !separates(w, a, b);
 }
 
 bool degenerate(const Triangle& t) {

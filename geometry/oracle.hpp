@@ -1,9 +1,9 @@
 // The oracle: the truth once more, by other means, to check the decision with (`pipeline verify` and the tests).
 //
-// It shares no code and no method with the decision (geometry/exact.hpp, geometry/meet.hpp, geometry/contain.hpp): every
-// triangle is asked about every other by separating axes in exact numbers, containment by exact rays against all facets,
-// and world vertices are computed from the definition written out again. The only short cut is the comparison of
-// coordinates, which is exact for doubles. It is slow, some 10 us a pair of triangles, and meant to be.
+// It shares no code and no method with the decision (geometry/exact.hpp, geometry/meet.hpp, geometry/contain.hpp):
+// every triangle is asked about every other by separating axes in exact numbers, containment by exact rays against all
+// facets, and world vertices are computed from the definition written out again. The only short cut is the comparison
+// of coordinates, which is exact for doubles. It is slow, some 10 us a pair of triangles, and meant to be.
 #pragma once
 #include <span>
 #include <vector>
