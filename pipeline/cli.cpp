@@ -175,7 +175,10 @@ int dispatch(int argc, const char* const* argv) {
   if ((run_command->count("--output") || check_command->count("--output")) && output.empty())
     throw Error(kUsage, "-o: must name a file, not nothing");
   options.output = output;
-  if (*tolerance_option) score_options.tolerance = tolerance;
+  if (*tolerance_option) {
+    if (!(tolerance >= 1)) throw Error(kUsage, "--tolerance: must be a factor of at least 1");  // Range lets nan pass
+    score_options.tolerance = tolerance;
+  }
   if (*score_command) return score_file(file, baseline, score_options, json);
   if (*list_command) {
     put(json ? list_json(what) : list_text(what));
