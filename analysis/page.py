@@ -33,7 +33,8 @@ figure, .table { margin: 1.6rem 0 2.4rem; }
 figcaption, .caption { color: var(--soft); font-size: .86rem; line-height: 1.45; margin: .5rem 0; max-width: 46rem;
   overflow-wrap: anywhere; }
 details { margin: .5rem 0; } summary { cursor: pointer; color: var(--blue); font-size: .92rem; width: fit-content; padding: .15rem 0; }
-.scroll { overflow: auto; max-height: 34rem; border: 1px solid var(--line); position: relative; }
+.scroll { overflow: auto; border: 1px solid var(--line); position: relative; }
+.tall { max-height: 34rem; }
 .scroll:focus-visible, summary:focus-visible, button:focus-visible { outline: 3px solid var(--blue); outline-offset: 1px; }
 table { border-collapse: separate; border-spacing: 0; font-size: .84rem; line-height: 1.35; font-variant-numeric: tabular-nums; min-width: 100%; }
 th, td { padding: .28rem .6rem; text-align: left; vertical-align: top; border-bottom: 1px solid #ececec; background: #fff; }
@@ -41,7 +42,8 @@ td.n, th.n { text-align: right; white-space: nowrap; }
 td.t { min-width: 5.5rem; overflow-wrap: break-word; }
 td.long { min-width: 15rem; overflow-wrap: anywhere; }
 thead th { position: sticky; top: 0; z-index: 2; background: var(--tint); border-bottom: 1px solid #bbb; vertical-align: bottom; }
-tbody th { position: sticky; left: 0; z-index: 1; font-weight: 600; max-width: 15rem; overflow-wrap: anywhere; border-right: 1px solid var(--line); }
+tbody th { position: sticky; left: 0; z-index: 1; font-weight: 600; white-space: nowrap; border-right: 1px solid var(--line); }
+tbody th.long { white-space: normal; min-width: 9.5rem; overflow-wrap: anywhere; }
 thead th:first-child { left: 0; z-index: 3; border-right: 1px solid var(--line); }
 tbody tr:hover > * { background: #f0f5fb; }
 th button { all: unset; cursor: pointer; font-weight: 600; }
@@ -53,14 +55,14 @@ pre { font-size: .8rem; line-height: 1.4; background: var(--tint); padding: .7re
 footer { margin-top: 4rem; padding-top: .7rem; border-top: 1px solid var(--line); color: var(--soft); font-size: .86rem; }
 @media (max-width: 36rem) {
   body { padding: .8rem .75rem 3rem; } h1 { font-size: 1.4rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
-  .picture { margin: 0 -.5rem; } th, td { padding: .25rem .45rem; } tbody th { max-width: 9.5rem; }
+  .picture { margin: 0 -.5rem; } th, td { padding: .25rem .45rem; }
   td.long { min-width: 12rem; }
 }
 @media print {
   @page { margin: 14mm; }
   body { max-width: none; padding: 0; font-size: 9.5pt; } nav, .skip { display: none; } a { color: inherit; text-decoration: none; }
-  .scroll { overflow: visible; max-height: none; border: 0; } thead th, tbody th { position: static; }
-  table { font-size: 6.8pt; min-width: 0; } th, td { padding: .12rem .3rem; } td.long { min-width: 0; } tbody th { max-width: 9rem; }
+  .scroll, .tall { overflow: visible; max-height: none; border: 0; } thead th, tbody th { position: static; }
+  table { font-size: 6.8pt; min-width: 0; } th, td { padding: .12rem .3rem; } td.long { min-width: 0; } tbody th { white-space: normal; }
   th button::after { content: none; }
   figure h3, h2, h3, .table h3 { break-after: avoid; } .picture, tr, .warnings { break-inside: avoid; } .picture { max-width: 15cm; }
   details::details-content { content-visibility: visible; height: auto; } summary { color: var(--soft); list-style: none; }
@@ -88,10 +90,12 @@ addEventListener("afterprint", () => folded.forEach(d => d.open = false));
 """
 
 LONG = 40  # characters: texts that are given room to be read in lines
+LONG_HEAD = 22  # characters: heads of rows that may break
+TALL = 60  # rows: longer tables scroll within themselves
 
 
 def page(title, lead, warnings, sections):
-    """The whole document. lead, warnings: plain texts; sections: Section, in order; the same input gives the same bytes."""
+    """The whole document. lead, warnings: lists of plain texts; sections: Section, in order; the same input gives the same bytes."""
     bodies = [(slug(section.title), section) for section in sections]
     links = "".join(f'<li><a href="#{key}">{html.escape(section.title)}</a></li>' for key, section in bodies)
     return "\n".join(
@@ -100,7 +104,8 @@ def page(title, lead, warnings, sections):
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
             f"<title>{html.escape(title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>",
             '<a class="skip" href="#content">To the content</a>',
-            f'<header><h1>{html.escape(title)}</h1>\n<p class="lead">{html.escape(lead)}</p>',
+            f'<header><h1>{html.escape(title)}</h1>',
+            *(f'<p class="lead">{html.escape(text)}</p>' for text in lead),
             f'<nav aria-label="Sections"><ol>{links}</ol></nav></header>',
             '<main id="content">',
             _warnings(warnings),
@@ -159,9 +164,10 @@ def table(frame, title):
     rows = []
     for index, values in zip(frame.index, zip(*(frame.iloc[:, c] for c in range(frame.shape[1])))):
         cells = "".join(_cell(value, column) for value, column in zip(values, frame.columns))
-        rows.append(f'<tr><th scope="row">{shown(index)}</th>{cells}</tr>')
+        head = shown(index)
+        rows.append(f'<tr><th scope="row"{" class=long" if len(head) > LONG_HEAD else ""}>{head}</th>{cells}</tr>')
     return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="{html.escape(title)}: table"><table>'
+        f'<div class="scroll{" tall" if len(frame) > TALL else ""}" tabindex="0" role="region" aria-label="{html.escape(title)}: table"><table>'
         f"<thead><tr>{''.join(heads)}</tr></thead>\n<tbody>" + "\n".join(rows) + "</tbody></table></div>"
     )
 

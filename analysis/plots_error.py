@@ -77,6 +77,56 @@ def finding(points, cost):
     return words
 
 
+def kinds(scene, key):
+    """The figure of both kinds of error: the share of true pairs that is missed, and false reports per true pair."""
+    points = scene.points.sort_values(["error", "time_mean_ns"]).reset_index(drop=True)
+    met = float(scene.runs[0].truth_hits.sum())
+    table = pd.DataFrame({
+        "label": points.label,
+        "missed (% of what meets)": points.false_negative / met * 100 if met else np.nan,
+        "invented (per pair that meets)": points.false_positive / met if met else np.nan,
+        "false negatives": points.false_negative.astype("int64"),
+        "false positives": points.false_positive.astype("int64"),
+        "error": points.error,
+    })  # fmt: skip
+    drawn = table.iloc[:NAMED]
+    rest = "" if len(drawn) == len(table) else f" The {NAMED} with the smallest error of {len(table)} are drawn, all are below."
+    caption = f"{scene.title}: {len(table)} labels, the smallest error first; {number(met)} pairs truly meet over all steps.{rest}"
+    missed = drawn["missed (% of what meets)"] if met else drawn["false negatives"]
+    invented = drawn["invented (per pair that meets)"] if met else drawn["false positives"]
+    fig, (left, right) = figure(1, 2, height=0.75 + 0.2 * max(len(drawn), 3), sharey=True)
+    rows = np.arange(len(drawn))[::-1]
+    for axes, values, colour, words in (
+        (left, missed, "#D55E00", "missed, % of what meets" if met else "missed"),
+        (right, invented, "#0072B2", "invented per pair that meets" if met else "invented"),
+    ):
+        axes.barh(rows, values, color=colour, height=0.72)
+        axes.set_xlabel(words)
+        axes.grid(axis="y", visible=False)
+        axes.set_xlim(0, max(values.max(), 1e-9) * 1.22)
+        for row, value in zip(rows, values):
+            axes.text(value, row, f" {number(value)}", va="center", fontsize=8, color="#111111" if value else "#767676")
+        axes.tick_params(axis="y", length=0)
+        axes.locator_params(axis="x", nbins=4)
+    left.set_yticks(rows, drawn.label, fontsize=8.5)
+    left.set_ylim(-0.6, len(drawn) - 0.4)
+    return Figure(_kinds_finding(points, met), svg_of(fig), caption, table, key)
+
+
+def _kinds_finding(points, met):
+    if not met:
+        return f"No pair meets; {(points.hits == 0).sum()} of {len(points)} report none either"
+    none_missed, none_invented = (points.false_negative == 0).sum(), (points.false_positive == 0).sum()
+    misses = points.loc[points.false_negative.idxmax()]
+    invents = points.loc[points.false_positive.idxmax()]
+    words = f"{none_missed} of {len(points)} miss nothing, {none_invented} invent nothing"
+    if misses.false_negative:
+        words += f"; {misses.label} misses most, {number(misses.false_negative / met * 100)} % of what meets"
+    if invents.false_positive:
+        words += f"; {invents.label} invents most, {number(invents.false_positive / met)} for every pair that meets"
+    return words
+
+
 def _caption(scene, points, cost):
     run = scene.runs[0]
     units = "Each algorithm's operations are elementary tests of its own kind (named below); they are the same on every machine."
