@@ -37,8 +37,6 @@ def main(arguments=None):
 
 def write_report(paths, output):
     """The page of the results at `paths`, whole or not at all; prints where it is. Only a page is overwritten."""
-    from analysis.report import report  # matplotlib is slow to load, and nothing else here needs it
-
     if os.path.exists(output):
         if os.path.isdir(output):
             raise IsADirectoryError(f"{output}: is a folder; -o names the page's file")
@@ -46,7 +44,10 @@ def write_report(paths, output):
             with open(output, "rb") as file:
                 if not file.read(9).lower().startswith(b"<!doctype"):
                     raise FileExistsError(f"{output}: exists and is not an HTML page; it is not overwritten")
-    text = report([read(path) for path in paths])
+    runs = [read(path) for path in paths]
+    from analysis.report import report  # matplotlib is slow to load, and nothing above needs it
+
+    text = report(runs)
     part = f"{output}.{os.getpid()}.part"
     try:
         with open(part, "w", encoding="utf-8") as file:
