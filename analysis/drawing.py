@@ -136,7 +136,9 @@ def machine(run):
         places.setdefault(f"{host} ({processor}), build {build}", []).append(label)
     if len(places) == 1:
         return f"timed on {next(iter(places))}"
-    each = "; ".join(f"{listed(labels)} on {place}" for place, labels in places.items())
+    each = "; ".join(
+        f"{listed(labels) if len(labels) < 4 else f'{len(labels)} algorithms'} on {place}" for place, labels in places.items()
+    )
     return f"TIMED ON DIFFERENT MACHINES OR BUILDS, so times are not comparable between them: {each}"
 
 

@@ -181,7 +181,7 @@ def curves_together(run, kind, key):
         panel.set_yticks([0, 1, 2, 3])
         panel.xaxis.set_major_locator(MaxNLocator(3, integer=True))
         panel.set_title(f"{full(run, label)}", fontsize=9)
-        panel.text(0.04, 0.93, "r –" if np.isnan(r[label]) else f"r {r[label]:.2f}", transform=panel.transAxes,
+        panel.text(0.04, 0.93, "r: no variation" if np.isnan(r[label]) else f"r = {r[label]:.2f}", transform=panel.transAxes,
                    va="top", fontsize=9)  # fmt: skip
     handles = {name: line for panel in axes for line, name in zip(*panel.get_legend_handles_labels())}
     fig.suptitle(" ", fontsize=9)  # room for the legend
@@ -223,7 +223,9 @@ def time_against_hits(run, kind, key):
         seconds(panel.yaxis)
         panel.set_title(full(run, label), fontsize=9)
     if steps.grows:
-        fig.colorbar(dots, ax=list(axes), location="top", aspect=60, pad=0.01, label="bodies")
+        bar = fig.colorbar(dots, ax=list(axes), location="top", aspect=60, pad=0.01)
+        bar.set_label("bodies", fontsize=9)
+        bar.ax.tick_params(labelsize=9)
     fig.supxlabel("hits at a step", fontsize=9.5)
     fig.supylabel("time of a step", fontsize=9.5)
     cost = table["ns per hit"][table["r, all bodies there"] >= t.FOLLOWS]
