@@ -173,13 +173,14 @@ def seconds(axis):
     axis.set_major_formatter(EngFormatter("s", sep=" "))
 
 
-def log_seconds(axes):
+def log_seconds(axes, which="y"):
     """A logarithmic axis of seconds; after the lines, for it divides a short range more finely."""
-    axes.set_yscale("log")
-    low, high = axes.get_ylim()
-    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,), numticks=15))
+    axes.set(**{f"{which}scale": "log"})
+    axis = getattr(axes, f"{which}axis")
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,), numticks=15))
     axes.minorticks_off()
-    seconds(axes.yaxis)
+    seconds(axis)
 
 
 def time_text(ns):
