@@ -16,14 +16,20 @@ class NotDrawn(Exception):
     """A part cannot be drawn; the text says why."""
 
 
-def guarded(name, make, *arguments):
+def guarded(name, make, *arguments, done="drawn"):
     """What make(*arguments) gives, or the sentence why it is not drawn."""
     try:
         return make(*arguments)
     except NotDrawn as why:
-        return f"{name}: not drawn, {why}."
-    except (KeyError, ValueError, OSError) as error:  # a group or column that the file lacks, or is not ours
-        return f"{name}: not drawn, {' '.join(str(error).split()).strip(chr(39) + chr(34))}."
+        return f"{name}: not {done}, {why}."
+    except KeyError as error:  # a group, column or attribute
+        return f"{name}: not {done}, the file lacks something: {plain(error)}."
+    except (ValueError, OSError, AttributeError) as error:
+        return f"{name}: not {done}, the file is not as expected: {plain(error)}."
+
+
+def plain(error):
+    return " ".join(str(error).split()).strip("'\"")
 
 
 @dataclass(frozen=True)
@@ -140,10 +146,6 @@ def machine(run):
         f"{listed(labels) if len(labels) < 4 else f'{len(labels)} algorithms'} on {place}" for place, labels in places.items()
     )
     return f"TIMED ON DIFFERENT MACHINES OR BUILDS, so times are not comparable between them: {each}"
-
-
-def one_machine(run):
-    return not machine(run).startswith("TIMED")
 
 
 def caption(run, what, thesis=""):

@@ -125,7 +125,7 @@ def against_collisions(run, kind, key):
     rows = {}
     for panel, (name, hits, time, colour, words) in zip(axes[0], shown):
         panel.scatter(hits[1:], time[1:] / 1e9, s=5, alpha=0.5, color=colour, linewidths=0, rasterized=True)
-        panel.set_ylim(0, 1.1 * np.percentile(time[1:], 99.5) / 1e9)
+        panel.set_ylim(0, 1.1 * max(1, np.percentile(time[1:], 99.5)) / 1e9)
         panel.set_xlim(0, max(1, hits.max()) * 1.03)
         panel.xaxis.set_major_locator(MaxNLocator(3, integer=True))
         panel.yaxis.set_major_locator(MaxNLocator(4))
@@ -163,6 +163,7 @@ def against_bodies(run, kind, key):
     times = pd.DataFrame({label: steps.time_ns[:, i] for label, i in columns.items()})
     times["physics"] = physics.time_ns.to_numpy(dtype=float)
     median = times.iloc[1:].groupby(steps.bodies[1:]).median()
+    median = median[median.index > 0]
     power = exponents(median)
     fig, axes = figure(height=3.8)
     ends = []

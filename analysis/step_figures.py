@@ -19,11 +19,9 @@ from analysis.drawing import (
     left_out,
     listed,
     log_seconds,
-    one_machine,
     panels,
     seconds,
     short,
-    shortened,
     steps_of,
     time_text,
 )
@@ -53,7 +51,7 @@ def time_per_step(run, kind, key):
     label_ends(axes, ends)
 
     table = spread(steps)
-    mean, ratio = table["mean ns"], table["p95 / p5"]
+    mean, ratio = table["mean ns"][drawn], table["p95 / p5"][drawn]
     slow, fast = mean.idxmax(), mean.idxmin()
     title = f"{slow} takes {time_text(mean[slow])} per step, "
     title += f"{digits(mean[slow] / mean[fast])} times as long as {fast}" if slow != fast else "the only algorithm here"
@@ -109,6 +107,7 @@ def hits_per_step(run, kind, key):
     total, meet = pd.Series(steps.hits.sum(axis=0), steps.labels), steps.truth.sum()
     table = pd.DataFrame({"hits": total, "per step": total / len(steps.hits), "hits / pairs that meet": total / meet})
     table.loc["(truly meet)"] = [meet, meet / len(steps.hits), 1.0 if meet else np.nan]
+    total = total[drawn]
     if not total.sum():
         title = f"No algorithm reports anything; {meet:.0f} pairs meet"
     else:
@@ -145,19 +144,28 @@ def follows_table(steps):
 
 def follows_title(names, r):
     """names: how each algorithm is called; r: its correlation. One sentence that puts each where it belongs."""
-    groups = {
-        "it does for {} (r {})": [i for i, value in enumerate(r) if value >= t.FOLLOWS],
-        "not for {} (|r| < 0.5)": [i for i, value in enumerate(r) if abs(value) < t.FOLLOWS],
-        "it falls as hits rise for {} (r {})": [i for i, value in enumerate(r) if value <= -t.FOLLOWS],
-        "{} cannot be told (no variation)": [i for i, value in enumerate(r) if np.isnan(value)],
-    }
+    values = dict(zip(names, r))
+    follow = [name for name in names if values[name] >= t.FOLLOWS]
+    apart = [name for name in names if abs(values[name]) < t.FOLLOWS]
+    against = [name for name in names if values[name] <= -t.FOLLOWS]
     parts = []
-    for text, members in groups.items():
-        if members:
-            low, high = (f"{f([r[i] for i in members]):.2f}" for f in (min, max))
-            span = f"= {low}" if low == high else f"from {low} to {high}"
-            parts.append(text.format(listed(names[i] for i in members), span))
-    return "Does time follow hits? " + "; ".join(parts).replace("it does", "It does", 1) + "."
+    if follow:
+        parts.append(f"Time follows hits for {listed(follow)} ({span(values[name] for name in follow)})")
+    if apart:
+        parts.append(f"{'it' if parts else 'Time'} does not{'' if parts else ' follow hits'} for {listed(apart)} (|r| < 0.5)")
+    if against:
+        many = span(values[name] for name in against)
+        parts.append(f"{'it' if parts else 'Time'} falls as hits rise for {listed(against)} ({many})")
+    if len(follow) + len(apart) + len(against) < len(names):
+        unknown = listed(name for name in names if np.isnan(values[name]))
+        parts.append(f"{'it' if parts else 'Whether time follows hits'} cannot be told for {unknown}: one does not vary")
+    return "; ".join(parts) + "."
+
+
+def span(values):
+    values = list(values)
+    low, high = f"{min(values):.2f}", f"{max(values):.2f}"
+    return f"r = {low}" if low == high else f"r from {low} to {high}"
 
 
 def curves_together(run, kind, key):
@@ -228,7 +236,7 @@ def time_against_hits(run, kind, key):
         bar.ax.tick_params(labelsize=9)
     fig.supxlabel("hits at a step", fontsize=9.5)
     fig.supylabel("time of a step", fontsize=9.5)
-    cost = table["ns per hit"][table["r, all bodies there"] >= t.FOLLOWS]
+    cost = table.loc[drawn, "ns per hit"][table.loc[drawn, "r, all bodies there"] >= t.FOLLOWS]
     if cost.empty:
         title = f"No algorithm's time follows its hits (r below {t.FOLLOWS})"
     else:
@@ -250,6 +258,7 @@ def time_against_bodies(run, kind, key):
         raise NotDrawn(f"the number of bodies, {steps.bodies.max()}, does not change")
     drawn = chosen(run)
     median = pd.DataFrame(steps.time_ns, columns=steps.labels).groupby(steps.bodies).median()
+    median = median[median.index > 0]
     power = exponents(median)
     fig, axes = figure(height=4.6)
     ends = []
@@ -269,7 +278,7 @@ def time_against_bodies(run, kind, key):
     table = table[table.columns[np.unique(np.linspace(0, len(table.columns) - 1, 8).astype(int))]]
     table.columns = [f"ns at {bodies}" for bodies in table.columns]
     table.insert(0, "exponent", power)
-    power = power.dropna()
+    power = power[drawn].dropna()
     if power.empty:
         title = f"Time from {low} to {high} bodies: too few or too narrow a range for an exponent"
     else:

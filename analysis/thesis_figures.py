@@ -15,9 +15,9 @@ from analysis.figure import Figure, Section
 from analysis.thesis_tables import means_figure, statements_table
 
 NAMES = {
-    "box": ("the cube, thesis section 5.1 (Kostka)", "figures 5.1 to 5.13, table 5.1"),
-    "falling": ("falling spheres, thesis section 5.2 (Padání)", "figures 5.14 to 5.25, table 5.2"),
-    "playground": ("the playground, thesis section 5.3 (Hřiště)", "the maps of section 5.3"),
+    "box": ("thesis section 5.1 (Kostka)", "figures 5.1 to 5.13, table 5.1"),
+    "falling": ("thesis section 5.2 (Padání)", "figures 5.14 to 5.25, table 5.2"),
+    "playground": ("thesis section 5.3 (Hřiště)", "the maps of section 5.3"),
 }
 # What has a meaning without the thesis too: in every scene with bodies that move on their own.
 STEPS = step_figures.FIGURES
@@ -76,7 +76,7 @@ def statements_section(runs, notes):
         if kind in used:
             parts.append(f"{name_of(run)} is a second {kind} scene; the statements are judged on {used[kind]}.")
             continue
-        data = guarded(f"{name_of(run)} for the statements", judged_data, run, kind)
+        data = guarded(f"The statements on {name_of(run)}", judged_data, run, kind, done="judged")
         if isinstance(data, str):
             parts.append(data)
         else:

@@ -112,7 +112,7 @@ def statements_table(scenes, notes=()):
     frame = pd.DataFrame(rows, columns=["no.", "form", "verdict", "the thesis says", "figures"])
     careful = frame[frame.form == "careful"]
     title = f"Of the thesis's {(frame.form != 'careful').sum()} statements {counted(frame[frame.form != 'careful'])}"
-    title += f"; of {len(careful)} judged again on the careful form, {counted(careful)}" if len(careful) else ""
+    title += f". Of {len(careful)} judged again on the careful form {counted(careful)}" if len(careful) else ""
     letters = ", ".join(f"{letter} {label}" for letter, label in KEYS.items())
     text = (
         f"{letters}. What words such as “slightly” mean is a number of analysis/thresholds.py, fixed before there were "
@@ -123,7 +123,7 @@ def statements_table(scenes, notes=()):
 
 
 def counted(frame):
-    """12 are confirmed, 10 refuted, 7 not testable."""
+    """the data confirm 12 and refute 10; 7 cannot be tested."""
     count = frame.verdict.value_counts()
-    words = [f"{count.get(word, 0)} {word}" for word in ("confirmed", "refuted", "not testable")]
-    return f"{words[0].replace(' ', ' are ', 1)}, {words[1]} and {words[2]}"
+    confirmed, refuted, rest = (count.get(word, 0) for word in ("confirmed", "refuted", "not testable"))
+    return f"the data confirm {confirmed} and refute {refuted}" + (f"; {rest} cannot be tested" if rest else "")
