@@ -143,7 +143,8 @@ def machine(run):
     if len(places) == 1:
         return f"timed on {next(iter(places))}"
     each = "; ".join(
-        f"{listed(labels) if len(labels) < 4 else f'{len(labels)} algorithms'} on {place}" for place, labels in places.items()
+        f"{listed(labels) if len(labels) < 4 else str(len(labels)) + ' algorithms'} on {place}"
+        for place, labels in places.items()
     )
     return f"TIMED ON DIFFERENT MACHINES OR BUILDS, so times are not comparable between them: {each}"
 
@@ -160,6 +161,11 @@ def binned(values, reduce, bins=BINS):
     edges = np.linspace(0, len(values), min(bins, len(values)) + 1).astype(int)
     middle = (edges[:-1] + edges[1:] - 1) / 2
     return middle, np.array([reduce(values[a:b], axis=0) for a, b in zip(edges, edges[1:])])
+
+
+def stretch(values):
+    """How many steps are in one point of a line, at most."""
+    return -(-len(values) // BINS)
 
 
 def correlation(x, y):

@@ -21,6 +21,7 @@ from analysis.drawing import (
     seconds,
     simulated,
     steps_of,
+    stretch,
     time_text,
 )
 from analysis.figure import PALETTE, Figure, figure, style, svg_of
@@ -77,7 +78,8 @@ def parts_of_a_step(run, kind, key):
     physics_ns = physics.time_ns.to_numpy(dtype=float)
     lines = {label: (steps.time_ns[:, i], style(algorithm(run, label))) for label, i in columns.items()}
     label = first_label(columns)
-    lines["contacts in it"] = (physics.contact_time_ns.to_numpy(dtype=float), {"color": PALETTE["sky"], "linestyle": ":"})
+    contact_ns = physics.contact_time_ns.to_numpy(dtype=float)
+    lines["contacts in it"] = (contact_ns, {"color": PALETTE["sky"], "linestyle": ":"})
     lines["physics"] = (physics_ns, PHYSICS)
     lines["total"] = (physics_ns + steps.time_ns[:, columns[label]], {"color": PALETTE["black"], "linestyle": "--"})
     fig, axes = figure(height=4.2)
@@ -93,7 +95,10 @@ def parts_of_a_step(run, kind, key):
     label_ends(axes, ends)
 
     all_there = steps.full & (np.arange(len(steps.full)) > 0)
-    rows = {name: (values[1:].mean(), np.median(values[1:]), widths(values, all_there)) for name, (values, _) in lines.items()}
+    rows = {
+        name: (values[1:].mean(), np.median(values[1:]), widths(values, all_there))
+        for name, (values, _) in lines.items()
+    }
     table = pd.DataFrame.from_dict(rows, orient="index", columns=["mean ns", "median ns", "spread / median"])
     table.index.name = "part of a step"
     collision, whole = table.loc[label], table.loc["physics"]
@@ -105,10 +110,10 @@ def parts_of_a_step(run, kind, key):
         f"times; physics take {digits(whole['mean ns'] / collision['mean ns'])} times as long."
     )
     what = (
-        "Collision: Cannon's phases in C++ on all pairs of a step; physics: Simbody's integration since the step before, its "
-        f"own search for contacts and their forces included; total: physics and {label}. n = {len(steps.time_ns) - 1} steps, "
-        f"each point the median of {-(-len(steps.time_ns) // 150)}; spread over the {all_there.sum()} steps with all bodies "
-        f"there.{timing_note(run)}"
+        "Collision: Cannon's phases in C++ on all pairs of a step; physics: Simbody's integration since the step "
+        f"before, its own search for contacts and their forces included; total: physics and {label}. "
+        f"n = {len(steps.hits) - 1} steps, each point the median of {stretch(steps.hits)}; spread over the "
+        f"{all_there.sum()} steps with all bodies there.{timing_note(run)}"
     )
     return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 0)), table, key)
 
@@ -144,13 +149,14 @@ def against_collisions(run, kind, key):
     else:
         more = r["physics"] > r[name]
         title = (
-            f"Physics time follows the contacts {'more' if more else 'no more'} closely than collision time ({name}) "
-            f"follows its hits, {'as in' if more else 'unlike in'} the thesis (r = {r['physics']:.2f} against {r[name]:.2f})"
+            f"Physics time follows the contacts {'more' if more else 'no more'} closely than collision time "
+            f"({name}) follows its hits, {'as in' if more else 'unlike in'} the thesis "
+            f"(r = {r['physics']:.2f} against {r[name]:.2f})"
         )
     when = f" over the {steps.full.sum()} steps with all {steps.bodies.max()} bodies" if steps.grows else ""
     what = (
-        f"A dot per step, n = {len(steps.hits) - 1}; r is Pearson's correlation{when}. The slowest 0.5 % may lie above a "
-        f"panel; panels have axes of their own.{timing_note(run)}"
+        f"A dot per step, n = {len(steps.hits) - 1}; r is Pearson's correlation{when}. The slowest 0.5 % may lie "
+        f"above a panel; panels have axes of their own.{timing_note(run)}"
     )
     return Figure(title + ".", svg_of(fig), caption(run, what, thesis(kind, 1)), table, key)
 
@@ -187,8 +193,8 @@ def against_bodies(run, kind, key):
             f"{power[name]:.2f} and physics time to the power {power['physics']:.2f}"
         )
     what = (
-        f"Median time over the steps with as many bodies, n = {len(steps.hits) - 1} steps; beside a name the exponent fitted "
-        f"to the logarithms from {t.SQUARE_FROM} bodies on.{timing_note(run)}"
+        f"Median time over the steps with as many bodies, n = {len(steps.hits) - 1} steps; beside a name the exponent "
+        f"fitted to the logarithms from {t.SQUARE_FROM} bodies on.{timing_note(run)}"
     )
     return Figure(title + ".", svg_of(fig), caption(run, what, thesis(kind, 2)), table, key)
 
@@ -196,8 +202,10 @@ def against_bodies(run, kind, key):
 def per_collision(run, kind, key):
     """Time over collisions, step by step; steps without any are left out."""
     steps, columns, physics = parts(run)
-    shown = {label: (steps.time_ns[:, i], steps.hits[:, i], style(algorithm(run, label))) for label, i in columns.items()}
     contacts = physics.contacts.to_numpy(dtype=float)
+    shown = {
+        label: (steps.time_ns[:, i], steps.hits[:, i], style(algorithm(run, label))) for label, i in columns.items()
+    }
     shown["physics"] = (physics.time_ns.to_numpy(dtype=float), contacts, PHYSICS)
     fig, axes = figure(height=3.8)
     ends, rows = [], {}
@@ -231,15 +239,16 @@ def per_collision(run, kind, key):
     else:
         settles = after < early
         title = (
-            f"Time per collision ({name}, median {time_text(row.iloc[1])}) {'settles' if settles else 'does not settle'} "
-            f"after the first fifth of the steps, {'as in' if settles else 'unlike in'} the thesis: its 95th percentile is "
-            f"{digits(early)} times the 5th there and {digits(after)} times afterwards"
+            f"Time per collision ({name}, median {time_text(row.iloc[1])}) "
+            f"{'settles' if settles else 'does not settle'} after the first fifth of the steps, "
+            f"{'as in' if settles else 'unlike in'} the thesis: its 95th percentile is {digits(early)} times the 5th "
+            f"there and {digits(after)} times afterwards"
         )
     if "physics" in table.index and name != "physics":
         title += f"; a contact costs the physics {time_text(table['median ns per collision']['physics'])}"
     what = (
-        "Collision time over the pairs that the same algorithm reports, physics time over the integrator's contacts; n = "
-        f"{len(number) - 1} steps, those without a collision left out, each point a median.{timing_note(run)}"
+        "Collision time over the pairs that the same algorithm reports, physics time over the integrator's contacts; "
+        f"n = {len(number) - 1} steps, those without a collision left out, each point a median.{timing_note(run)}"
     )
     return Figure(title + ".", svg_of(fig), caption(run, what, thesis(kind, 3)), table, key)
 

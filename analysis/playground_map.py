@@ -9,7 +9,7 @@ from analysis import thresholds as t
 from analysis.drawing import NotDrawn, caption, key, listed, shortened
 from analysis.figure import Figure, figure, svg_of
 
-# Late is orange, early is purple (ColorBrewer's PuOr, told apart by colour-blind readers); steps are those of the words.
+# Late is orange, early is purple (ColorBrewer's PuOr, told apart by colour-blind readers); the words' own steps.
 EDGES = [-np.inf, -t.TOO_EARLY_M, -t.SLIGHT_M, -t.EXACT_M, t.EXACT_M, t.SLIGHT_M, t.TOO_EARLY_M, np.inf]
 COLOURS = ["#E08214", "#FDB863", "#FEE0B6", "#F7F7F7", "#D8DAEB", "#B2ABD2", "#8073AC"]
 SILENT = "#4D4D4D"
@@ -47,7 +47,7 @@ def passes_of(run):
 
 
 def kinds(passes):
-    """The passes, each as often as it is of a kind: along which path, how the hero lies, through the middle or off it."""
+    """The passes, each once for its path and once for how the hero lies and whether it goes through the middle."""
     off = np.where(passes.offset == 0, "middle", "off centre")
     parts = [
         passes.assign(kind="path " + passes.path.astype(str)),
@@ -84,8 +84,8 @@ def kind_map(run, _, name):
         title = f"Passes of the kind “{worst}” are missed most, {share[worst]:.0%} over all algorithms"
         title += f"; “{best}” least, {share[best]:.0%}." if share[best] < share[worst] else "."
     what = (
-        "Columns are kinds of pass over all obstacles, each pass counted once by its path and once by how the hero lies "
-        "(its own axis along the path or across) and whether it goes through the middle."
+        "Columns are kinds of pass over all obstacles, each pass counted once by its path and once by how the hero "
+        "lies (its own axis along the path or across) and whether it goes through the middle."
     )
     return drawn_map(run, cells, title, what, name)
 
@@ -142,15 +142,15 @@ def drawn_map(run, cells, title, what, name):
             else:
                 face, text, ink = "white", "–", "#777777"
             axes.add_patch(Rectangle((column, row), 1, 1, facecolor=face, edgecolor="white", linewidth=1.5))
-            axes.text(column + 0.5, row + (0.34 if errors else 0.5), text, ha="center", va="center", fontsize=8, color=ink)
-            axes.text(column + 0.5, row + 0.76, " ".join(errors), ha="center", va="center", fontsize=7, color=ink,
-                      weight="bold")  # fmt: skip
+            words = {"ha": "center", "va": "center", "color": ink}
+            axes.text(column + 0.5, row + (0.34 if errors else 0.5), text, fontsize=8, **words)
+            axes.text(column + 0.5, row + 0.76, " ".join(errors), fontsize=7, weight="bold", **words)
     legend(fig, COLOURS, [f"{edge:+g}".replace("-", "−") for edge in EDGES[1:-1]], "late  ←  first report, m  →  early")
     text = (
-        "First report in metres before (+) or after (−) the exact first contact, median over the passes that meet and are "
-        f"reported; m: passes that meet and are never reported (misses), f: passes that never meet and are reported (false "
-        f"alarms); “never”: all are missed; “–”: no pass meets. {what} n = {passes_of(run).number.nunique()} passes and "
-        f"{len(labels)} algorithms.{more}"
+        "First report in metres before (+) or after (−) the exact first contact, median over the passes that meet and "
+        "are reported; m: passes that meet and are never reported (misses), f: passes that never meet and are reported "
+        f"(false alarms); “never”: all are missed; “–”: no pass meets. {what} n = {passes_of(run).number.nunique()} "
+        f"passes and {len(labels)} algorithms.{more}"
     )
     table = cells.drop(columns="flicker").reset_index()
     return Figure(title, svg_of(fig), caption(run, text, "section 5.3"), table, name)
@@ -189,8 +189,8 @@ def flicker_map(run, _, name):
         title = f"{worst} flickers most, {changes[worst]} changes within {overall.touching[worst]} passes that meet; "
         title += f"{len(still)} of {len(labels)} algorithms never change their answer within a contact."
     text = (
-        "Changes of an algorithm's answer between neighbouring samples that both truly meet, over all passes through an "
-        f"obstacle; n = {passes.number.nunique()} passes and {len(labels)} algorithms. One that never reports never "
+        "Changes of an algorithm's answer between neighbouring samples that both truly meet, over all passes through "
+        f"an obstacle; n = {passes.number.nunique()} passes and {len(labels)} algorithms. One that never reports never "
         "flickers: see the misses above."
     )
     table = cells.flicker.unstack(1)[columns]

@@ -23,6 +23,7 @@ from analysis.drawing import (
     seconds,
     short,
     steps_of,
+    stretch,
     time_text,
 )
 from analysis.figure import PALETTE, Figure, figure, style, svg_of
@@ -63,8 +64,8 @@ def time_per_step(run, kind, key):
         )
     when = " with all bodies there" if steps.grows else ""
     what = (
-        f"Time of an algorithm for all pairs of a step, preparation included; n = {len(steps.time_ns)} steps, each point "
-        f"the median of {-(-len(steps.time_ns) // 150)}. Spread is over the {steps.full.sum()} steps{when}.{left_out(run)}"
+        f"Time of an algorithm for all pairs of a step, preparation included; n = {len(steps.hits)} steps, each point "
+        f"the median of {stretch(steps.hits)}. Spread is over the {steps.full.sum()} steps{when}.{left_out(run)}"
     )
     return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
@@ -120,8 +121,8 @@ def hits_per_step(run, kind, key):
         title += "those that meet" if meet else "though none meet"
         title += f"; {fewest} the fewest, {share(fewest)}" if most != fewest else ""
     what = (
-        f"Pairs reported at a step; the grey area ends at the pairs that truly meet; n = {len(steps.hits)} steps, each point the mean of "
-        f"{-(-len(steps.hits) // 150)}. The axis is linear below 1.{left_out(run)}"
+        f"Pairs reported at a step; the grey area ends at the pairs that truly meet; n = {len(steps.hits)} steps, each "
+        f"point the mean of {stretch(steps.hits)}. The axis is linear below 1.{left_out(run)}"
     )
     table.index.name = "algorithm"
     return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table.astype({"hits": int}), key)
@@ -152,13 +153,15 @@ def follows_title(names, r):
     if follow:
         parts.append(f"Time follows hits for {listed(follow)} ({span(values[name] for name in follow)})")
     if apart:
-        parts.append(f"{'it' if parts else 'Time'} does not{'' if parts else ' follow hits'} for {listed(apart)} (|r| < 0.5)")
+        start = "it does not" if parts else "Time does not follow hits"
+        parts.append(f"{start} for {listed(apart)} (|r| < {t.FOLLOWS})")
     if against:
         many = span(values[name] for name in against)
         parts.append(f"{'it' if parts else 'Time'} falls as hits rise for {listed(against)} ({many})")
     if len(follow) + len(apart) + len(against) < len(names):
         unknown = listed(name for name in names if np.isnan(values[name]))
-        parts.append(f"{'it' if parts else 'Whether time follows hits'} cannot be told for {unknown}: one does not vary")
+        start = "it" if parts else "Whether time follows hits"
+        parts.append(f"{start} cannot be told for {unknown}, where one of them does not vary")
     return "; ".join(parts) + "."
 
 
@@ -189,8 +192,8 @@ def curves_together(run, kind, key):
         panel.set_yticks([0, 1, 2, 3])
         panel.xaxis.set_major_locator(MaxNLocator(3, integer=True))
         panel.set_title(f"{full(run, label)}", fontsize=9)
-        panel.text(0.04, 0.93, "r: no variation" if np.isnan(r[label]) else f"r = {r[label]:.2f}", transform=panel.transAxes,
-                   va="top", fontsize=9)  # fmt: skip
+        note = "r: no variation" if np.isnan(r[label]) else f"r = {r[label]:.2f}"
+        panel.text(0.04, 0.93, note, transform=panel.transAxes, va="top", fontsize=9)
     handles = {name: line for panel in axes for line, name in zip(*panel.get_legend_handles_labels())}
     fig.suptitle(" ", fontsize=9)  # room for the legend
     fig.legend(list(handles.values()), [name + " / own mean" for name in handles], loc="upper center", ncol=3,
@@ -198,8 +201,8 @@ def curves_together(run, kind, key):
     fig.supxlabel("step", fontsize=9.5)
     when = f"the {steps.full.sum()} steps with all {steps.bodies.max()} bodies" if steps.grows else "all steps"
     what = (
-        f"Time, hits{' and bodies' if steps.grows else ''} at a step over their mean, n = {len(steps.hits)} steps in 100 "
-        f"stretches at most, cut at 3; r is Pearson's correlation of time and hits over {when}.{left_out(run)}"
+        f"Time, hits{' and bodies' if steps.grows else ''} at a step over their mean, n = {len(steps.hits)} steps in "
+        f"100 stretches at most, cut at 3; r is Pearson's correlation of time and hits over {when}.{left_out(run)}"
     )
     title = follows_title([short(run, label) for label in drawn], [r[label] for label in drawn])
     return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
@@ -245,8 +248,9 @@ def time_against_hits(run, kind, key):
         title += f" to {time_text(cost[dear])} ({dear})" if dear != cheap else ""
     when = f" over the {steps.full.sum()} steps with all bodies there" if steps.grows else ""
     what = (
-        f"A dot per step, n = {len(every)} of {len(steps.hits)}; the line is the one of least squares{when}, its slope is "
-        f"the cost of a hit. The slowest 0.5 % of steps may lie above a panel; panels have axes of their own.{left_out(run)}"
+        f"A dot per step, n = {len(every)} of {len(steps.hits)}; the line is the one of least squares{when}, its slope "
+        "is the cost of a hit. The slowest 0.5 % of steps may lie above a panel; panels have axes of their own."
+        f"{left_out(run)}"
     )
     return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
@@ -268,7 +272,8 @@ def time_against_bodies(run, kind, key):
         ends.append((median[label].iloc[-1] / 1e9, f"{full(run, label)}  {power[label]:.2f}", look["color"]))
     axes.set_xscale("log")
     low, high = median.index[[0, -1]]
-    ticks = sorted({low, high} | {tick for tick in (2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000) if low * 1.3 < tick < high / 1.3})
+    between = {tick for tick in (2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000) if low * 1.3 < tick < high / 1.3}
+    ticks = sorted({low, high} | between)
     axes.set_xticks(ticks, [str(tick) for tick in ticks])
     log_seconds(axes)
     axes.set_xlabel("bodies, fixed ones included")
@@ -288,9 +293,9 @@ def time_against_bodies(run, kind, key):
         title += f" to {power[steep]:.2f} ({steep})" if steep != flat else ""
         title += f"; with its square: {listed(square)}" if square else "; with its square: none"
     what = (
-        f"Median time over the steps with as many bodies, {len(median)} numbers of bodies, n = {len(steps.hits)} steps. "
-        f"Beside a name: the exponent fitted to the logarithms from {t.SQUARE_FROM} bodies on; {t.SQUARE[0]} to "
-        f"{t.SQUARE[1]} counts as the square.{left_out(run)}"
+        f"Median time over the steps with as many bodies, {len(median)} numbers of bodies, n = {len(steps.hits)} "
+        f"steps. Beside a name: the exponent fitted to the logarithms from {t.SQUARE_FROM} bodies on; {t.SQUARE[0]} "
+        f"to {t.SQUARE[1]} counts as the square.{left_out(run)}"
     )
     return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
@@ -302,11 +307,9 @@ def exponents(median):
     if len(rows) < 3 or rows.index.max() < 2 * rows.index.min():
         return pd.Series(np.nan, median.columns)
     bodies = np.log(rows.index.to_numpy(dtype=float))
-    fitted = {
-        label: np.polyfit(bodies, np.log(rows[label].to_numpy(dtype=float)), 1)[0] if (rows[label] > 0).all() else np.nan
-        for label in rows
-    }
-    return pd.Series(fitted)
+    positive = rows.columns[(rows > 0).all()]
+    fitted = {label: np.polyfit(bodies, np.log(rows[label].to_numpy(dtype=float)), 1)[0] for label in positive}
+    return pd.Series(fitted, dtype=float).reindex(median.columns)
 
 
 FIGURES = [

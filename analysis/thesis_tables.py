@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 
+from analysis import thresholds as t
 from analysis.drawing import NotDrawn, caption, digits, key, log_seconds, steps_of
 from analysis.figure import PALETTE, Figure, Table, figure, svg_of
 from analysis.statements import CAREFUL, KEYS, shown, verdicts
@@ -75,7 +76,8 @@ def means_figure(run, kind, name):
     axes.plot(theirs, rows, "o", color=PALETTE["orange"], label="thesis, JavaScript")
     axes.plot(ours, rows, "s", color=PALETTE["blue"], label="this run, C++")
     for row, right, ratio in zip(rows, theirs, table["JS / C++"]):
-        axes.annotate(f"{digits(ratio)}×", (right, row), xytext=(8, 0), textcoords="offset points", va="center", fontsize=9)
+        axes.annotate(f"{digits(ratio)}×", (right, row), xytext=(8, 0), textcoords="offset points", va="center",
+                      fontsize=9)  # fmt: skip
     axes.set_yticks(rows, [f"{letter} {label}" for label, letter in table.key.items()])
     log_seconds(axes, "x")
     axes.set_xlim(right=axes.get_xlim()[1] * 4)
@@ -116,8 +118,9 @@ def statements_table(scenes, notes=()):
     letters = ", ".join(f"{letter} {label}" for letter, label in KEYS.items())
     text = (
         f"{letters}. What words such as “slightly” mean is a number of analysis/thresholds.py, fixed before there were "
-        "results: early and late count from 5 cm on, “slightly” ends at 30 cm, “too early” begins at 60 cm. Careful: the "
-        f"labels …{CAREFUL}, with dense meshes and no prefilter that misses. Lengths in m, times as ratios."
+        f"results: early and late count from {t.EXACT_M} m on, “slightly” ends at {t.SLIGHT_M} m, “too early” begins at "
+        f"{t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. Lengths are "
+        "in m, times ratios, shares of 1."
     )
     return Table(title + ".", frame.set_index("no."), " ".join([text, *notes]))
 
