@@ -118,9 +118,9 @@ def statements_table(scenes, notes=()):
     letters = ", ".join(f"{letter} {label}" for letter, label in KEYS.items())
     text = (
         f"{letters}. What words such as “slightly” mean is a number of analysis/thresholds.py, fixed before there were "
-        f"results: early and late count from {t.EXACT_M} m on, “slightly” ends at {t.SLIGHT_M} m, “too early” begins at "
-        f"{t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. Lengths are "
-        "in m, times ratios, shares of 1."
+        f"results: early and late count from {t.EXACT_M} m on, “slightly” ends at {t.SLIGHT_M} m, “too early” begins "
+        f"at {t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. Lengths "
+        "are in m, times ratios, shares of 1."
     )
     return Table(title + ".", frame.set_index("no."), " ".join([text, *notes]))
 
