@@ -1,12 +1,12 @@
 """What the figures of the thesis share: names, captions, the steps that there are, and how a part says why it is not
 drawn."""
 
-import re
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from matplotlib.ticker import EngFormatter, LogLocator
+
+from analysis import pareto
 
 MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
 BINS = 150  # points of a line over steps: more are closer than a line is wide
@@ -63,6 +63,8 @@ def steps_of(run):
     if steps < 2:
         raise NotDrawn(f"the file has {steps} steps that were simulated")
     table = run.per_step
+    if table.empty:
+        raise NotDrawn("the file has no /results")
     column = {
         name: table[name].to_numpy(dtype=float).reshape(-1, len(labels))[:steps]
         for name in ("time_ns", "hits", "true_positive", "false_negative")
@@ -137,13 +139,11 @@ def machine(run):
     """Where and with what the algorithms were timed; says so when that is not one machine and build."""
     places = {}
     for label, answers in run.meta["answers"].items():
-        build = re.sub(r"\b([0-9a-f]{10})[0-9a-f]{30}\b", r"\1", answers.get("build", "unknown"))
-        host, processor = answers.get("host", "an unknown host"), answers.get("processor", "unknown processor")
-        places.setdefault(f"{host} ({processor}), build {build}", []).append(label)
-    if len(places) == 1:
-        return f"timed on {next(iter(places))}"
+        places.setdefault(pareto.machine(answers), []).append(label)
+    if len(places) < 2:
+        return f"timed on {next(iter(places), 'nothing')}"
     each = "; ".join(
-        f"{listed(labels) if len(labels) < 4 else str(len(labels)) + ' algorithms'} on {place}"
+        f"{listed(labels) if len(labels) < 4 else f'{len(labels)} algorithms'} on {place}"
         for place, labels in places.items()
     )
     return f"TIMED ON DIFFERENT MACHINES OR BUILDS, so times are not comparable between them: {each}"
@@ -152,7 +152,7 @@ def machine(run):
 def caption(run, what, thesis=""):
     """what: what is drawn and how many (sentences); thesis: the figures of the thesis that it answers."""
     config = f"“{run.meta.get('title', '')}” (sha256 {run.meta.get('config_sha256', 'unknown')[:10]})"
-    text = f"{what}{cut(run)} {Path(run.path).name}, configuration {config}, {machine(run)}."
+    text = f"{what}{cut(run)} {pareto.name(run)}, configuration {config}, {machine(run)}."
     return f"{text} Answers {thesis} of the thesis." if thesis else text
 
 

@@ -1,15 +1,12 @@
 """The thesis's part of the report: its figures 5.1 to 5.25, tables 5.1 and 5.2, playground and statements, drawn anew.
 
-The thesis ran each scene once; of several files of one scene the one with most of the thesis's algorithms is drawn, the
+The thesis ran each scene once; of several files of one motion the one with most of the thesis's algorithms is drawn, the
 others are named. Every figure is of one file, so that no time axis has two machines on it unseen.
 """
 
-import json
 import re
-import tomllib
-from pathlib import Path
 
-from analysis import engine_figures, playground_map, scenes, step_figures
+from analysis import engine_figures, pareto, playground_map, scenes, step_figures
 from analysis.drawing import NotDrawn, guarded, key, simulated
 from analysis.figure import Figure, Section
 from analysis.thesis_tables import means_figure, statements_table
@@ -28,18 +25,15 @@ def sections(runs):
     """Sections of the report on the thesis, from Runs of any scenes; never raises for what a file lacks."""
     chosen, notes = {}, []
     for run in runs:
-        scene = scene_of(run)
-        if scene is None:
-            notes.append(f"{name_of(run)} is of no scene (a study of its own): the thesis has no figure of that.")
-        elif scene not in chosen:
-            chosen[scene] = [run]
+        if kind_of(run) or run.meta["algorithms"]:
+            chosen.setdefault(run.meta["motion"].get("digest", run.path), []).append(run)
         else:
-            chosen[scene].append(run)
+            notes.append(f"{pareto.name(run)} has neither a scene nor algorithms: the thesis has no figure of that.")
     found = []
     for number, (scene, group) in enumerate(chosen.items()):
         best = max(group, key=published)  # of equals the first
         more = [
-            f"{name_of(run)} is of the same scene; the thesis's figures are drawn from {name_of(best)}, which has "
+            f"{pareto.name(run)} has the same motion; the thesis's figures are drawn from {pareto.name(best)}, which has "
             + ("more" if published(run) < published(best) else "no fewer")
             + " of its algorithms as published."
             for run in group
@@ -53,8 +47,8 @@ def sections(runs):
 
 def section_of(run, kind, number, notes):
     """A figure or a sentence for each of the thesis's."""
-    title = f"{run.meta.get('title', '') or name_of(run)}: {NAMES.get(kind, ('step by step', ''))[0]}"
-    slug = re.sub(r"[^a-z0-9]+", "-", Path(run.path).stem.lower()).strip("-")
+    title = f"{pareto.title(run)}: {NAMES.get(kind, ('step by step', ''))[0]}"
+    slug = re.sub(r"[^a-z0-9]+", "-", pareto.name(run).lower()).strip("-")
     if kind == "playground":
         figures = playground_map.FIGURES
     else:
@@ -74,13 +68,13 @@ def statements_section(runs, notes):
         if kind not in NAMES:
             continue
         if kind in used:
-            parts.append(f"{name_of(run)} is a second {kind} scene; the statements are judged on {used[kind]}.")
+            parts.append(f"{pareto.name(run)} is a second {kind} scene; the statements are judged on {used[kind]}.")
             continue
-        data = guarded(f"The statements on {name_of(run)}", judged_data, run, kind, done="judged")
+        data = guarded(f"The statements on {pareto.name(run)}", judged_data, run, kind, done="judged")
         if isinstance(data, str):
             parts.append(data)
         else:
-            found[kind], used[kind] = data, name_of(run)
+            found[kind], used[kind] = data, pareto.name(run)
     for kind, (_, what) in NAMES.items():
         if kind not in {kind_of(run) for run in runs}:
             parts.append(f"No file of a {kind} scene was given: {what} are not drawn and statements on it not judged.")
@@ -95,24 +89,12 @@ def judged_data(run, kind):
     return scenes.playground(run) if kind == "playground" else scenes.timed(run)
 
 
-def name_of(run):
-    return Path(run.path).name
-
-
 def kind_of(run):
     """The kind of scene; "" for none or when the configuration cannot be read."""
     try:
         return scenes.kind(run)
     except (KeyError, ValueError):
         return ""
-
-
-def scene_of(run):
-    """What two runs of one scene have in common: text; None for a study without a scene."""
-    if not kind_of(run):
-        return None
-    config = tomllib.loads(run.meta["config_effective"])
-    return json.dumps({name: config.get(name) for name in ("seed", "steps", "rate", "scene", "physics")}, default=str)
 
 
 def published(run):
