@@ -10,7 +10,7 @@ import sys
 
 from analysis import scenes
 from analysis.load import load
-from analysis.statements import verdicts
+from analysis.statements import shown, verdicts
 
 KINDS = ("box", "falling", "playground")
 
@@ -98,13 +98,6 @@ def table(found):
         rows.append((f"{verdict.number} {verdict.variant}".strip(), word, figures or why, verdict.text))
     widths = [max(len(row[column]) for row in rows) for column in range(3)]
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths + [0])).rstrip() for row in rows)
-
-
-def shown(value):
-    """A figure: three digits, whole numbers in full."""
-    if not isinstance(value, float):
-        return str(value)
-    return f"{value:.0f}" if 1000 <= abs(value) < 1e15 else f"{value:.3g}"
 
 
 if __name__ == "__main__":
