@@ -1,12 +1,13 @@
 """python3 -m analysis: what the results say, printed.
 
-Exit codes as the pipeline's: 0 done, 2 the command line's grammar, 4 a file that is missing or not a result.
+Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit the
+file, 4 a file that is missing, not a result or cannot be written.
 """
 
 import argparse
 import sys
 
-from analysis import scenes
+from analysis import scenes, viewer
 from analysis.load import load
 from analysis.statements import verdicts
 
@@ -18,9 +19,16 @@ def main(arguments=None):
     commands = parser.add_subparsers(dest="command", required=True)
     command = commands.add_parser("statements", help="judge the thesis's statements on results")
     command.add_argument("file", nargs="+", help="results of the box, falling and playground scenes, one of each")
+    viewer.add_command(commands)
     chosen = parser.parse_args(arguments)
     try:
+        if chosen.command == "scene":
+            print(viewer.write_page(chosen))
+            return 0
         print(table(verdicts(opened(chosen.file))))
+    except viewer.Unfit as error:
+        print(" ".join(str(error).split()), file=sys.stderr)
+        return 3
     except (OSError, KeyError, ValueError) as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         return 4

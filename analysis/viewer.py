@@ -8,7 +8,9 @@ for nothing; its Content-Security-Policy forbids that.
 import base64
 import html
 import json
+import os
 import pathlib
+import tempfile
 
 import h5py
 import numpy as np
@@ -28,6 +30,51 @@ BIG = 4  # a fixed body so many times as large as the median moving one (plate, 
 
 class Unfit(Exception):
     """A value that the user gave does not fit the file: one line."""
+
+
+def add_command(commands):
+    """Adds the command `scene` to the subparsers of python3 -m analysis."""
+    command = commands.add_parser("scene", help="a page that shows the bodies of a step in 3D, wrong answers coloured")
+    command.add_argument("file", help="a result")
+    command.add_argument("--step", type=int, help="opens there; without it where the algorithm errs most")
+    command.add_argument("--algorithm", metavar="LABEL", help="opens with its answers; without it the file's first")
+    command.add_argument("--steps", type=_window, metavar="A:B",
+                         help=f"holds the steps A to B - 1; without it {AROUND} on either side of --step")  # fmt: skip
+    command.add_argument("-o", "--output", metavar="PAGE", help="without it <name of the result>_step<K>.html here")
+
+
+def _window(text):
+    """A:B as a slice; either may be left out. ValueError becomes argparse's error."""
+    first, colon, end = text.partition(":")
+    if not colon or not all(part == "" or part.isdecimal() for part in (first, end)):
+        raise ValueError(text)
+    return slice(int(first) if first else None, int(end) if end else None)
+
+
+_window.__name__ = "range A:B of steps"  # argparse names it in its error
+
+
+def write_page(chosen):
+    """Writes the page that the parsed arguments of `scene` ask for, whole or not at all. Returns its path.
+
+    Raises what step_page raises, and OSError when the page cannot be written.
+    """
+    page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps)
+    path = chosen.output or f"{pathlib.Path(chosen.file).stem}_step{step}.html"
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise Unfit(f"-o {path}: is not a file; name a page to write")
+    if os.path.exists(path) and os.path.samefile(path, chosen.file):
+        raise Unfit(f"-o {path}: is the result itself; name a page to write")
+    file, beside = tempfile.mkstemp(dir=os.path.dirname(path) or ".", prefix=".", suffix=".html")
+    try:
+        with open(file, "w", encoding="utf-8") as out:
+            out.write(page)
+        os.chmod(beside, 0o644)
+        os.replace(beside, path)
+    except BaseException:
+        os.unlink(beside)
+        raise
+    return path
 
 
 def step_page(path, step=None, label=None, window=None):
@@ -217,15 +264,16 @@ def _filled(data, title):
     for path in THREE_JS:
         if not path.is_file():
             raise RuntimeError(f"{path}: is missing; scripts/setup installs it (Debian's libjs-three)")
-    three = "\n".join(_script(path.read_text()) for path in THREE_JS)
+    three = "\n".join(_script(path.read_text(encoding="utf-8")) for path in THREE_JS)
     document = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     filled = {
         "<!-- title -->": html.escape(title),
         "<!-- data -->": f'<script type="application/json" id="data">{document}</script>',
         "<!-- three -->": three,
-        "<!-- viewer -->": _script((HERE / "viewer.js").read_text()),
+        "<!-- measure -->": _script((HERE / "measure.js").read_text(encoding="utf-8")),
+        "<!-- viewer -->": _script((HERE / "viewer.js").read_text(encoding="utf-8")),
     }
-    page = (HERE / "viewer.html").read_text()
+    page = (HERE / "viewer.html").read_text(encoding="utf-8")
     for mark, text in filled.items():
         before, after = page.split(mark)
         page = before + text + after
