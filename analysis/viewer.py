@@ -271,6 +271,7 @@ def _filled(data, title):
         "<!-- data -->": f'<script type="application/json" id="data">{document}</script>',
         "<!-- three -->": three,
         "<!-- measure -->": _script((HERE / "measure.js").read_text(encoding="utf-8")),
+        "<!-- picture -->": _script((HERE / "picture.js").read_text(encoding="utf-8")),
         "<!-- viewer -->": _script((HERE / "viewer.js").read_text(encoding="utf-8")),
     }
     page = (HERE / "viewer.html").read_text(encoding="utf-8")
