@@ -7,11 +7,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "pipeline/config.hpp"
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/export.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/run.hpp"
@@ -95,6 +97,15 @@ int dispatch(int argc, const char* const* argv) {
   show_command->add_option("FILE", file, "Result file, or the FILE.part of an unfinished run")->required();
   show_command->add_flag("--json", json, "Print JSON");
 
+  ExportOptions vtk;
+  std::string steps = ":", vtk_folder;
+  CLI::App* export_command = app.add_subcommand("export", "Write steps as VTP files that ParaView opens");
+  export_command->add_option("FILE", file, "Result file")->required();
+  export_command->add_option("--vtk", vtk_folder, "Folder for the files and their .pvd index")->required();
+  export_command->add_option("--steps", steps, "A:B, the steps A to B - 1 (default: all)");
+  export_command->add_flag("--force", vtk.force, "Replace an earlier export in the folder");
+  export_command->add_flag("--quiet", vtk.quiet, "No progress on stderr");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version
@@ -134,12 +145,23 @@ int dispatch(int argc, const char* const* argv) {
     return kDone;
   }
 
-  warn(suspicions());
   struct sigaction action = {};
   action.sa_handler = on_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is told by write, like a full disk
+  if (*export_command) {
+    if (vtk_folder.empty()) throw Error(kUsage, "--vtk: must name a folder, not nothing");
+    const Result result = read_result(file);
+    vtk.folder = vtk_folder;
+    vtk.name = export_name(file);
+    std::tie(vtk.first, vtk.last) = step_range(steps, result.steps());
+    put(std::to_string(vtk.last - vtk.first) + " steps, about " +
+        std::to_string((export_bytes(result, vtk) >> 20) + 1) + " MiB\n");
+    put(write_vtk(result, vtk).string() + "\n");
+    return kDone;
+  }
+  warn(suspicions());
   if (*run_command) {
     const Config config = read_config(config_path, sets);
     warn(config.notes);

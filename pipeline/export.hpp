@@ -1,0 +1,41 @@
+// Steps of a result as files that ParaView opens: one VTP (VTK's XML PolyData) per step and a .pvd index in time.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "pipeline/result.hpp"
+
+namespace pipeline {
+
+/// The steps [first, second) that "A:B" names among `steps`; A or B may be left out. Throws Error(kUsage) when `text`
+/// is not of that form, Error(kInput) when the range is empty or leaves the result.
+std::pair<std::size_t, std::size_t> step_range(const std::string& text, std::size_t steps);
+
+/// The VTP of a step (README, "ParaView"): the world vertices of all bodies that are born, the very doubles by which
+/// the truth was decided; their triangles, with data per triangle: `body` (its number), `truth_hits` (pairs of the body
+/// that score), `false_positive_<label>` and `false_negative_<label>` (pairs of the body); and as field data TimeValue
+/// (s), `step`, and `name` of every body by its number.
+std::string vtp(const Result& result, std::size_t step);
+
+/// `path` without folder and extension, whatever XML or a file system could stumble over made '_'.
+std::string export_name(const std::filesystem::path& path);
+
+struct ExportOptions {
+  std::filesystem::path folder;  // made when it does not exist
+  std::string name;              // <name>.pvd is the index, <name>_000420.vtp a step
+  std::size_t first = 0, last = 0;
+  bool force = false;  // an earlier export of this name is removed; else a folder with anything in it is refused
+  bool quiet = false;
+};
+
+/// Bytes that the export will take on the disk, from the largest step made in memory.
+std::uint64_t export_bytes(const Result& result, const ExportOptions& options);
+
+/// Writes the files, the index last, and returns the index's path. When it fails or is interrupted nothing that it
+/// wrote stays. Throws Error: kFile for the folder and a full disk, kInput when the disk is too small, kInterrupted.
+std::filesystem::path write_vtk(const Result& result, const ExportOptions& options);
+
+}  // namespace pipeline
