@@ -254,6 +254,7 @@ std::string vtp(const Result& result, std::size_t step) {
 }
 
 std::uint64_t export_bytes(const Result& result, const ExportOptions& options) {
+  refuse_folder(options);
   std::uint64_t sum = 0, most = 0;
   std::size_t largest = options.first;
   for (std::size_t step = options.first; step < options.last; ++step) {
@@ -262,17 +263,18 @@ std::uint64_t export_bytes(const Result& result, const ExportOptions& options) {
     most = std::max(most, triangles);
     sum += triangles;
   }
-  const std::uint64_t bytes = vtp(result, largest).size();
-  return most ? std::uint64_t(double(bytes) * (double(sum) / double(most))) : bytes * (options.last - options.first);
-}
-
-fs::path write_vtk(const Result& result, const ExportOptions& options) {
-  refuse_folder(options);
-  const std::uint64_t bytes = export_bytes(result, options);
+  const std::uint64_t size = vtp(result, largest).size();
+  const std::uint64_t bytes =
+      most ? std::uint64_t(double(size) * (double(sum) / double(most))) : size * (options.last - options.first);
   if (bytes > free_disk(options.folder))
     throw Error(kInput, options.folder.string() + ": the export needs about " + std::to_string(bytes >> 20) +
                             " MiB, there are " + std::to_string(free_disk(options.folder) >> 20) +
                             " MiB free; choose another --vtk or fewer --steps");
+  return bytes;
+}
+
+fs::path write_vtk(const Result& result, const ExportOptions& options) {
+  refuse_folder(options);
   Written written(options.folder);
   for (const fs::path& file : earlier(options)) fs::remove(file);
 

@@ -31,7 +31,8 @@ struct ExportOptions {
   bool quiet = false;
 };
 
-/// Bytes that the export will take on the disk, from the largest step made in memory.
+/// Bytes that the export will take on the disk, about: the largest step is made in memory. Throws Error: kFile for a
+/// folder that cannot be taken, kInput when the disk is too small.
 std::uint64_t export_bytes(const Result& result, const ExportOptions& options);
 
 /// Writes the files, the index last, and returns the index's path. When it fails or is interrupted nothing that it
