@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "pipeline/config.hpp"
@@ -19,6 +18,7 @@
 #include "pipeline/run.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/show.hpp"
+#include "pipeline/step_range.hpp"
 #include "pipeline/store.hpp"
 #include "pipeline/words.hpp"
 
@@ -102,7 +102,7 @@ int dispatch(int argc, const char* const* argv) {
   CLI::App* export_command = app.add_subcommand("export", "Write steps as VTP files that ParaView opens");
   export_command->add_option("FILE", file, "Result file")->required();
   export_command->add_option("--vtk", vtk_folder, "Folder for the files and their .pvd index")->required();
-  export_command->add_option("--steps", steps, "A:B, the steps A to B - 1 (default: all)");
+  export_command->add_option("--steps", steps, "A:B, from step A up to, not including, B; all by default");
   export_command->add_flag("--force", vtk.force, "Replace an earlier export in the folder");
   export_command->add_flag("--quiet", vtk.quiet, "No progress on stderr");
 
@@ -152,11 +152,12 @@ int dispatch(int argc, const char* const* argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is told by write, like a full disk
   if (*export_command) {
     if (vtk_folder.empty()) throw Error(kUsage, "--vtk: must name a folder, not nothing");
+    check_step_range(steps);
     const Result result = read_result(file);
     vtk.folder = vtk_folder;
     vtk.name = export_name(file);
-    std::tie(vtk.first, vtk.last) = step_range(steps, result.steps());
-    put(std::to_string(vtk.last - vtk.first) + " steps, about " +
+    vtk.steps = step_range(steps, result.steps(), file);
+    put(std::to_string(vtk.steps.size()) + " steps, about " +
         std::to_string((export_bytes(result, vtk) >> 20) + 1) + " MiB\n");
     put(write_vtk(result, vtk).string() + "\n");
     return kDone;

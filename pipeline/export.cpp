@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <iterator>
 #include <span>
@@ -163,27 +162,6 @@ class Written {
 
 }  // namespace
 
-std::pair<std::size_t, std::size_t> step_range(const std::string& text, std::size_t steps) {
-  const auto wrong = [&](ExitCode code, const std::string& rule) {
-    return Error(code, "--steps " + one_line(text) + ": " + rule + "; the result has " + std::to_string(steps) +
-                           " steps, the first is 0");
-  };
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) throw wrong(kUsage, "must be A:B, the steps A to B - 1");
-  const auto number = [&](std::string_view part, std::size_t otherwise) {
-    std::size_t value = otherwise;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    if (!part.empty() && (error != std::errc() || end != part.data() + part.size()))
-      throw wrong(kUsage, "must be A:B, the steps A to B - 1");
-    return value;
-  };
-  const std::size_t first = number(std::string_view(text).substr(0, colon), 0);
-  const std::size_t last = number(std::string_view(text).substr(colon + 1), steps);
-  if (last > steps) throw wrong(kInput, "ends after the result");
-  if (first >= last) throw wrong(kInput, "holds no step");
-  return {first, last};
-}
-
 std::string export_name(const fs::path& path) {
   std::string name = path.stem().string();
   for (char& c : name)
@@ -256,8 +234,8 @@ std::string vtp(const Result& result, std::size_t step) {
 std::uint64_t export_bytes(const Result& result, const ExportOptions& options) {
   refuse_folder(options);
   std::uint64_t sum = 0, most = 0;
-  std::size_t largest = options.first;
-  for (std::size_t step = options.first; step < options.last; ++step) {
+  std::size_t largest = options.steps.first;
+  for (std::size_t step = options.steps.first; step < options.steps.last; ++step) {
     const std::uint64_t triangles = triangles_at(result, step);
     if (triangles > most) largest = step;
     most = std::max(most, triangles);
@@ -265,7 +243,7 @@ std::uint64_t export_bytes(const Result& result, const ExportOptions& options) {
   }
   const std::uint64_t size = vtp(result, largest).size();
   const std::uint64_t bytes =
-      most ? std::uint64_t(double(size) * (double(sum) / double(most))) : size * (options.last - options.first);
+      most ? std::uint64_t(double(size) * (double(sum) / double(most))) : size * (options.steps.size());
   if (bytes > free_disk(options.folder))
     throw Error(kInput, options.folder.string() + ": the export needs about " + std::to_string(bytes >> 20) +
                             " MiB, there are " + std::to_string(free_disk(options.folder) >> 20) +
@@ -278,11 +256,11 @@ fs::path write_vtk(const Result& result, const ExportOptions& options) {
   Written written(options.folder);
   for (const fs::path& file : earlier(options)) fs::remove(file);
 
-  Progress progress("export", options.last - options.first, options.quiet);
+  Progress progress("export", options.steps.size(), options.quiet);
   std::string index =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
       "byte_order=\"LittleEndian\">\n<Collection>\n";
-  for (std::size_t step = options.first; step < options.last; ++step) {
+  for (std::size_t step = options.steps.first; step < options.steps.last; ++step) {
     stop_if_wanted();
     written.file(options.folder / file_name(options, step), vtp(result, step));
     index += "<DataSet timestep=\"" + real_text(double(step) / result.rate) + "\" part=\"0\" file=\"" +

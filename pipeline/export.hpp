@@ -4,15 +4,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <utility>
 
 #include "pipeline/result.hpp"
+#include "pipeline/step_range.hpp"
 
 namespace pipeline {
-
-/// The steps [first, second) that "A:B" names among `steps`; A or B may be left out. Throws Error(kUsage) when `text`
-/// is not of that form, Error(kInput) when the range is empty or leaves the result.
-std::pair<std::size_t, std::size_t> step_range(const std::string& text, std::size_t steps);
 
 /// The VTP of a step (README, "ParaView"): the world vertices of all bodies that are born, the very doubles by which
 /// the truth was decided; their triangles, with data per triangle: `body` (its number), `truth_hits` (pairs of the body
@@ -26,7 +22,7 @@ std::string export_name(const std::filesystem::path& path);
 struct ExportOptions {
   std::filesystem::path folder;  // made when it does not exist
   std::string name;              // <name>.pvd is the index, <name>_000420.vtp a step
-  std::size_t first = 0, last = 0;
+  StepRange steps;
   bool force = false;  // an earlier export of this name is removed; else a folder with anything in it is refused
   bool quiet = false;
 };

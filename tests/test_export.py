@@ -150,7 +150,7 @@ def test_a_folder_in_use_is_refused_without_force(pipeline, result_file, tmp_pat
 
 @pytest.mark.parametrize("steps, code, word", [
     ("5", USAGE, "A:B"), ("a:b", USAGE, "A:B"), ("1:2:3", USAGE, "A:B"), ("-1:3", USAGE, "A:B"), ("1.5:3", USAGE, "A:B"),
-    ("5:5", INPUT, "no step"), ("9:3", INPUT, "no step"), (":100000", INPUT, "the result has"),
+    ("5:5", INPUT, "is empty"), ("9:3", INPUT, "is empty"), (":100000", INPUT, "has the steps 0:"),
     ("0:99999999999999999999999", USAGE, "A:B"),
 ])  # fmt: skip
 def test_a_bad_range_of_steps_is_told(pipeline, result_file, tmp_path, steps, code, word):
