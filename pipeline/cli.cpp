@@ -14,11 +14,13 @@
 #include "pipeline/config.hpp"
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/export.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/run.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/show.hpp"
+#include "pipeline/step_range.hpp"
 #include "pipeline/store.hpp"
 #include "pipeline/verify.hpp"
 #include "pipeline/words.hpp"
@@ -162,6 +164,14 @@ int dispatch(int argc, const char* const* argv) {
           ->check(CLI::Range(1.0, 1e6))
           ->needs(times_flag);
   score_command->add_flag("--json", json, "Print JSON");
+  ExportOptions vtk;
+  std::string steps = ":", vtk_folder;
+  CLI::App* export_command = app.add_subcommand("export", "Write steps as VTP files that ParaView opens");
+  export_command->add_option("FILE", file, "Result file")->required();
+  export_command->add_option("--vtk", vtk_folder, "Folder for the files and their .pvd index")->required();
+  export_command->add_option("--steps", steps, "A:B, from step A up to, not including, B; all by default");
+  export_command->add_flag("--force", vtk.force, "Replace an earlier export in the folder");
+  export_command->add_flag("--quiet", vtk.quiet, "No progress on stderr");
 
   try {
     app.parse(argc, argv);
@@ -207,13 +217,25 @@ int dispatch(int argc, const char* const* argv) {
     return kDone;
   }
 
-  warn(suspicions());
   struct sigaction action = {};
   action.sa_handler = on_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is told by write, like a full disk
   if (*verify_command) return verify_file(file, verify_options, options.threads, options.quiet, json);
+  if (*export_command) {
+    if (vtk_folder.empty()) throw Error(kUsage, "--vtk: must name a folder, not nothing");
+    check_step_range(steps);
+    const Result result = read_result(file);
+    vtk.folder = vtk_folder;
+    vtk.name = export_name(file);
+    vtk.steps = step_range(steps, result.steps(), file);
+    put(std::to_string(vtk.steps.size()) + " steps, about " +
+        std::to_string((export_bytes(result, vtk) >> 20) + 1) + " MiB\n");
+    put(write_vtk(result, vtk).string() + "\n");
+    return kDone;
+  }
+  warn(suspicions());
   if (*run_command) {
     const Config config = read_config(config_path, sets);
     warn(config.notes);
