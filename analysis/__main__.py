@@ -28,7 +28,7 @@ def main(arguments=None):
         print(table(verdicts(opened(chosen.file))))
     except viewer.Unfit as error:
         print(" ".join(str(error).split()), file=sys.stderr)
-        return 3
+        return error.code
     except (OSError, KeyError, ValueError) as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         return 4

@@ -29,7 +29,13 @@ BIG = 4  # a fixed body so many times as large as the median moving one (plate, 
 
 
 class Unfit(Exception):
-    """A value that the user gave does not fit the file: one line."""
+    """What stands in the page's way: one line, and the exit code of it (3: a value does not fit the file)."""
+
+    code = 3
+
+
+class Uninstalled(Unfit):
+    code = 1
 
 
 def add_command(commands):
@@ -57,9 +63,13 @@ _window.__name__ = "range A:B of steps"  # argparse names it in its error
 def write_page(chosen):
     """Writes the page that the parsed arguments of `scene` ask for, whole or not at all. Returns its path.
 
-    Raises what step_page raises, and OSError when the page cannot be written.
+    Raises what step_page raises, naming the file, and OSError when the page cannot be written.
     """
-    page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps)
+    try:
+        page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps)
+    except (OSError, KeyError, ValueError) as error:  # h5py does not name the file
+        message = str(error)
+        raise ValueError(message if message.startswith(chosen.file) else f"{chosen.file}: {message}") from error
     path = chosen.output or f"{pathlib.Path(chosen.file).stem}_step{step}.html"
     if os.path.exists(path) and not os.path.isfile(path):
         raise Unfit(f"-o {path}: is not a file; name a page to write")
@@ -82,7 +92,7 @@ def step_page(path, step=None, label=None, window=None):
 
     step: None for the step at which the algorithm has the most wrong answers; label: None for the first algorithm;
     window: slice of steps, None for AROUND on either side of step. Raises OSError or ValueError when the file is not a
-    result, Unfit when a value does not fit it, RuntimeError when three.js is not installed.
+    result, Unfit when a value does not fit it, Uninstalled when three.js is not there.
     """
     run = load(path)
     steps, labels = run.meta["steps"], run.meta["algorithms"]
@@ -263,7 +273,7 @@ def _filled(data, title):
     """The page: viewer.html with the title, the data, three.js and viewer.js in place of its marks."""
     for path in THREE_JS:
         if not path.is_file():
-            raise RuntimeError(f"{path}: is missing; scripts/setup installs it (Debian's libjs-three)")
+            raise Uninstalled(f"{path}: is missing; scripts/setup installs it (Debian's libjs-three)")
     three = "\n".join(_script(path.read_text(encoding="utf-8")) for path in THREE_JS)
     document = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     filled = {
@@ -283,5 +293,5 @@ def _filled(data, title):
 
 def _script(text):
     if "</script" in text.lower():
-        raise RuntimeError("three.js: holds '</script', which would end the page's script; another version is needed")
+        raise Uninstalled("three.js: holds '</script', which would end the page's script; another version is needed")
     return f"<script>{text}</script>"

@@ -157,8 +157,8 @@ int dispatch(int argc, const char* const* argv) {
     vtk.folder = vtk_folder;
     vtk.name = export_name(file);
     vtk.steps = step_range(steps, result.steps(), file);
-    put(std::to_string(vtk.steps.size()) + " steps, about " +
-        std::to_string((export_bytes(result, vtk) >> 20) + 1) + " MiB\n");
+    const std::uint64_t mebibytes = (export_bytes(result, vtk) >> 20) + 1;
+    put(std::to_string(vtk.steps.size()) + " steps, about " + std::to_string(mebibytes) + " MiB\n");
     put(write_vtk(result, vtk).string() + "\n");
     return kDone;
   }
