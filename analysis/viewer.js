@@ -434,5 +434,5 @@
   showAlgorithm();
   update();
 
-  window.viewer = { step, go: (s) => go(s - data.first), choose, setAlgorithm, state, now: () => now, measured: () => measured, name, pixel: (b) => picture.pixel(b) };
+  window.viewer = { step, go: (s) => go(s - data.first), choose, fly, setAlgorithm, state, now: () => now, measured: () => measured, name, pixel: (b) => picture.pixel(b) };
 })();

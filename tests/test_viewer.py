@@ -218,6 +218,7 @@ def test_files_that_are_none_or_cannot_be_written_are_told_in_a_line(command, re
     monkeypatch.setattr(viewer, "THREE_JS", [missing])
     run = command(result_file, "--step", 5, "-o", tmp_path / "x.html")
     assert run.returncode == 1 and "libjs-three" in one_line(run)
+    monkeypatch.undo()
     own = tmp_path / "own.h5"
     shutil.copy(result_file, own)
     assert command(own, "--step", 5, "-o", own).returncode == INPUT
@@ -230,7 +231,7 @@ def test_files_that_are_none_or_cannot_be_written_are_told_in_a_line(command, re
 @contextlib.contextmanager
 def opened(text, tmp_path, **options):
     (tmp_path / "page.html").write_text(text)
-    with browsing(tmp_path / "page.html", **options) as page:
+    with browsing(tmp_path / "page.html", timeout=200, **({"width": 1000, "height": 640} | options)) as page:
         page.tmp_path = tmp_path
         yield page
 
@@ -242,7 +243,7 @@ def picture(page):
     return np.round(255 * matplotlib.image.imread(page.tmp_path / "shot.png")[:, :, :3]).astype(int)
 
 
-def coloured(image, color, left=0, right=850, top=120, bottom=600):
+def coloured(image, color, left=0, right=640, top=110, bottom=500):
     """How many pixels of the 3D view (beside the legend) have a colour's hue, lit lighter or darker."""
     view = image[top:bottom, left:right].reshape(-1, 3).astype(float)
     direction = np.array(color) / np.linalg.norm(color)
@@ -256,14 +257,14 @@ def shown(result_file, tmp_path_factory):
     rows = load(result_file).per_step.query("algorithm == 'rotated_aabb' and false_positive > 0 and false_negative > 0")
     step = int(rows.sort_values("false_negative").step.iloc[-1])
     text = page_of(result_file, step=step, label="rotated_aabb")
-    with opened(text, tmp_path_factory.mktemp("shown"), timeout=100) as page:
+    with opened(text, tmp_path_factory.mktemp("shown")) as page:
         page.step = step
         yield page
 
 
 @pytest.fixture
 def page(shown):
-    shown.evaluate(f"(viewer.choose(null), viewer.setAlgorithm({'1'}), viewer.go({shown.step}), scrollTo(0, 0))")
+    shown.evaluate(f"(viewer.choose(null), viewer.setAlgorithm(1), viewer.go({shown.step}), scrollTo(0, 0))")
     shown.press("f")
     shown.evaluate("new Promise(done => setTimeout(done, 600))")  # the camera's way there
     yield shown
@@ -272,7 +273,7 @@ def page(shown):
 
 def test_bodies_are_seen_in_the_colours_of_their_errors(page):
     image = picture(page)
-    assert len(np.unique(image[120:600, :850].reshape(-1, 3), axis=0)) > 200, "a picture, not an empty view"
+    assert len(np.unique(image[110:500, :640].reshape(-1, 3), axis=0)) > 200, "a picture, not an empty view"
     assert coloured(image, FN) > 100 and coloured(image, FP) > 100
     page.evaluate("viewer.setAlgorithm(0)")  # bounding_sphere never misses
     assert page.evaluate("viewer.now().fn.length") == 0
@@ -284,7 +285,7 @@ def test_stepping_changes_step_lists_and_picture(page):
     page.press("ArrowRight")
     assert page.evaluate("viewer.step()") == page.step + 1
     assert page.evaluate("document.getElementById('now').textContent") != text
-    assert (picture(page)[120:600, :850] != before[120:600, :850]).any()
+    assert (picture(page)[110:500, :640] != before[110:500, :640]).any()
     page.click_on("#back")
     page.click_on("#back")
     assert page.evaluate("viewer.step()") == page.step - 1
@@ -318,7 +319,7 @@ def test_a_click_on_a_row_brings_the_camera_to_the_pair(page):
     pair = page.evaluate("viewer.state.chosen")
     assert pair == page.evaluate("viewer.now().fn[0]")
     assert page.evaluate("document.querySelector('#lists [aria-current]').dataset.pair") == "-".join(map(str, pair))
-    assert (picture(page)[120:600, :850] != before[120:600, :850]).any(axis=2).mean() > 0.05
+    assert (picture(page)[110:500, :640] != before[110:500, :640]).any(axis=2).mean() > 0.05
     assert page.evaluate("viewer.measured().pairs") > 0, "a false negative: the surfaces do cross"
     told = page.evaluate("document.getElementById('chosen').textContent")
     assert "they meet" in told and "rotated_aabbis silent" in told and "bounding_spherereports it" in told
