@@ -5,6 +5,7 @@ be searched, and the same data give the same bytes.
 """
 
 import hashlib
+import html
 import io
 import re
 import zlib
@@ -77,7 +78,7 @@ _STYLES = {
     "fcl_bvh": ("blue", "p", "--"),
 }
 _MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "d", "p"]
-_LINES = ["-", "--", ":", "-."]
+_LINES = ["--", ":", "-."]
 
 
 @dataclass(frozen=True)
@@ -105,8 +106,16 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Text:
+    """Lines to be read as they are, folded under their title."""
+
+    title: str
+    text: str
+
+
+@dataclass(frozen=True)
 class Section:
-    """parts: Figure, Table, or str (one paragraph of plain text)."""
+    """parts: Figure, Table, Text, or str (one paragraph of plain text)."""
 
     title: str
     parts: list
@@ -117,12 +126,12 @@ def style(name):
 
     An algorithm that this module does not know gets one of its own name, so it keeps it too.
     """
-    if name not in _STYLES:
+    picked = _STYLES.get(name)
+    if not picked:
+        taken = {(colour, marker) for colour, marker, _ in _STYLES.values()}
+        free = [(colour, marker) for colour in PALETTE for marker in _MARKERS if (colour, marker) not in taken]
         number = zlib.crc32(name.encode())
-        colours = list(PALETTE)
-        picked = colours[number % len(colours)], _MARKERS[number // 8 % 12], _LINES[1 + number // 96 % 3]
-    else:
-        picked = _STYLES[name]
+        picked = *free[number % len(free)], _LINES[number // len(free) % len(_LINES)]
     return {"color": PALETTE[picked[0]], "marker": picked[1], "linestyle": picked[2]}
 
 
@@ -132,11 +141,13 @@ def figure(rows=1, columns=1, height=HEIGHT, width=WIDTH, **more):
         return plt.subplots(rows, columns, figsize=(width, height), **more)
 
 
-def svg_of(fig):
+def svg_of(fig, titles=None):
     """`fig` as SVG to be put into HTML; closes it.
 
     No XML header, no metadata, no address of any network; text is text. Identifiers that nothing refers to are dropped,
     the others start with a digest of the content, so several figures live on one page.
+    titles: gid of an artist -> text that a browser shows when the pointer is over it. A text with the gid "halo" stands
+    on white, so lines below it do not hurt.
     """
     with plt.rc_context(SETTINGS):
         target = io.StringIO()
@@ -149,6 +160,10 @@ def svg_of(fig):
     text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
     text = text.replace("xlink:href=", "href=")
     text = re.sub(r' xmlns(:xlink)?="[^"]*"', "", text)
+    for gid, words in (titles or {}).items():
+        text = text.replace(f'<g id="{gid}">', f"<g><title>{html.escape(words)}</title>")
+    halo = "paint-order:stroke;stroke:#fff;stroke-width:2.5px;stroke-linejoin:round"
+    text = text.replace('<g id="halo">', f'<g style="{halo}">')
     prefix = "f" + hashlib.sha256(text.encode()).hexdigest()[:10]
     used = set(re.findall(r'href="#([^"]+)"', text)) | set(re.findall(r"url\(#([^)]+)\)", text))
     text = re.sub(r' id="([^"]+)"', lambda found: f' id="{prefix}{found[1]}"' if found[1] in used else "", text)
