@@ -104,7 +104,7 @@ function makePicture(page) {
   // From middle to middle; none to a see-through plate or wall, whose middle is far from the pair.
   function links(kind) {
     const thickness = (p) => 0.05 * Math.min(radius(p[0]), radius(p[1]));
-    const pairs = page.now()[kind].filter((p) => !data.bodies[p[0]].big && !data.bodies[p[1]].big);
+    const pairs = page.now()[kind].filter((p) => p.every((b) => place(b) && !data.bodies[b].big));
     if (!pairs.length) return;
     const segments = pairs.flatMap(([a, b]) => {
       const p = place(a), q = place(b), mix = (t) => p.map((x, c) => x + t * (q[c] - x));
@@ -177,14 +177,14 @@ function makePicture(page) {
   function ball(bodies) {
     const there = bodies.filter((b) => place(b)), low = [0, 0, 0], high = [0, 0, 0];
     if (!there.length) return { middle: [0, 0, 0], radius: 1 };
-    const cut = there.length > 50 ? Math.floor(there.length / 50) : 0, most = Math.max(...there.map(radius));
+    const cut = there.length > 50 ? Math.floor(there.length / 50) : 0;
     for (let c = 0; c < 3; ++c) {
-      const ends = there.map((b) => place(b)[c]).sort((x, y) => x - y);
-      low[c] = ends[cut] - most;
-      high[c] = ends[ends.length - 1 - cut] + most;
+      const ends = there.map((b) => [place(b)[c] - radius(b), place(b)[c] + radius(b)]);
+      low[c] = ends.map((e) => e[0]).sort((x, y) => x - y)[cut];
+      high[c] = ends.map((e) => e[1]).sort((x, y) => y - x)[cut];
     }
     const half = low.map((x, c) => (high[c] - x) / 2);
-    return { middle: low.map((x, c) => x + half[c]), radius: there.length === 1 ? most : Math.hypot(...half) };
+    return { middle: low.map((x, c) => x + half[c]), radius: there.length === 1 ? radius(there[0]) : Math.hypot(...half) };
   }
 
   const all = data.bodies.map((_, b) => b);
@@ -196,7 +196,7 @@ function makePicture(page) {
     const narrow = Math.min(1, camera.aspect), distance = radius / Math.sin((camera.fov / 2) * (Math.PI / 180)) / narrow;
     const target = seen(middle), direction = camera.position.clone().sub(controls.target).normalize();
     if (bodies.length === 2) across(direction, bodies);
-    return { target, position: target.clone().addScaledVector(direction, distance * (bodies.length > 2 ? 0.85 : 1.25)) };
+    return { target, position: target.clone().addScaledVector(direction, distance * (bodies.length > 2 ? 0.8 : 1)) };
   }
 
   // Turns a direction of view so that a gap is seen from its side: two bodies behind one another show nothing.

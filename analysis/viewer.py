@@ -68,9 +68,9 @@ def write_page(chosen):
     """
     try:
         page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps)
-    except (OSError, KeyError, ValueError) as error:  # h5py does not name the file
-        message = str(error)
-        raise ValueError(message if message.startswith(chosen.file) else f"{chosen.file}: {message}") from error
+    except (OSError, KeyError, ValueError, RuntimeError) as error:  # h5py does not name the file
+        text = str(error.args[0] if error.args else error)
+        raise OSError(text if text.startswith(chosen.file) else f"{chosen.file}: is damaged ({text})") from error
     path = chosen.output or f"{pathlib.Path(chosen.file).stem}_step{step}.html"
     if os.path.exists(path) and not os.path.isfile(path):
         raise Unfit(f"-o {path}: is not a file; name a page to write")
