@@ -33,7 +33,7 @@ function makePicture(page) {
   function material(color, manner) {
     const wanted = color + manner;
     if (!materials.has(wanted)) {
-      const opacity = { solid: 1, faded: 0.1, through: 0.09, pair: 0.62 }[manner];
+      const opacity = { solid: 1, faded: 0.1, through: 0.09, shell: 0.3, pair: 0.62 }[manner];
       materials.set(wanted, new THREE.MeshPhongMaterial({
         color, opacity, transparent: opacity < 1, depthWrite: opacity === 1, flatShading: true, shininess: 12, specular: 0x222222,
         side: manner === "faded" ? THREE.FrontSide : THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
@@ -115,6 +115,7 @@ function makePicture(page) {
 
   function update() {
     const measured = page.measured();
+    const shells = new Set(page.contained().map(([a, b]) => (radius(a) > radius(b) ? a : b))); // hold a body inside
     const kinds = bodyKinds(), chosen = state.chosen || [], pair = chosen.length === 2;
     const partners = new Set(chosen.length === 1 ? listed.flatMap((kind) => page.now()[kind].filter((p) => p.includes(chosen[0])).flat()) : chosen);
     things.forEach((thing, b) => {
@@ -124,7 +125,7 @@ function makePicture(page) {
       thing.position.fromArray(at);
       thing.quaternion.set(poses[i + 1], poses[i + 2], poses[i + 3], poses[i]);
       const mine = chosen.includes(b), kind = pair ? mine && kindOf(chosen) : kinds.get(b);
-      let manner = state.through[b] ? "through" : "solid";
+      let manner = state.through[b] ? "through" : shells.has(b) ? "shell" : "solid";
       if (pair) manner = mine ? (data.bodies[b].big ? "through" : "pair") : "faded";
       else if (chosen.length && !partners.has(b) && b !== chosen[0]) manner = state.through[b] ? "through" : "faded";
       else if (state.quiet && !kind) manner = "faded";

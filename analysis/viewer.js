@@ -133,8 +133,13 @@
     $("lists").replaceChildren(
       ...listed.map((kind) => {
         const pairs = now[kind], details = element("details", open[kind] ? { open: "" } : {});
-        details.addEventListener("toggle", () => (open[kind] = details.open));
+        details.addEventListener("toggle", () => {
+          if (open[kind] === details.open) return;
+          open[kind] = details.open; // the rows of a closed list are not made: they cost most of a step
+          showLists();
+        });
         details.append(element("summary", {}, sign(kind), `${KINDS[kind].many}: ${pairs.length}`));
+        if (!open[kind]) return details;
         if (!pairs.length) details.append(element("div", { class: "soft" }, `no pairs that ${kind === "fp" || kind === "inside" ? "are " : ""}${KINDS[kind].about}`));
         const reported = kind === "inside" && algorithm() ? keys(algorithm().inside.at(state.k)) : null;
         const note = (p) => (reported ? (reported.has(key(p)) ? " (reported)" : " (not reported)") : inside.has(key(p)) ? " (one inside the other)" : "");
@@ -335,7 +340,7 @@
 
   let picture = null;
   try {
-    picture = makePicture({ data, meshes, poses, state, KINDS, NONE, listed, place, radius, name, kindOf, bodyKinds, choose, now: () => now, measured: () => measured });
+    picture = makePicture({ data, meshes, poses, state, KINDS, NONE, listed, place, radius, name, kindOf, bodyKinds, choose, now: () => now, measured: () => measured, contained: () => contained.at(state.k) });
     $("message").hidden = true;
     $("legend").hidden = $("tools").hidden = false;
   } catch (failed) {
