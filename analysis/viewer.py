@@ -1,6 +1,6 @@
 """A look at a step: one HTML page with the bodies in 3D, right and wrong answers coloured and listed.
 
-The page holds everything: three.js (Debian's libjs-three: one apt package, no second registry, no bundler), viewer.js,
+The page holds everything: three.js (Debian's libjs-three: one apt package, no second registry, no bundler), our scripts,
 the meshes once each, the poses of a window of steps, and the wrong answers of all algorithms in it. It asks the network
 for nothing; its Content-Security-Policy forbids that.
 """
@@ -22,6 +22,7 @@ THREE_JS = [
     pathlib.Path("/usr/share/javascript/three/three.min.js"),
     pathlib.Path("/usr/share/javascript/three/examples/js/controls/OrbitControls.js"),
 ]
+SCRIPTS = ("decode", "measure", "picture", "viewer")  # beside this file, in this order
 AROUND = 60  # steps shown on either side when no window is asked for: two seconds of the thesis's scenes in all
 USUAL_BYTES = 8 << 20  # such a window becomes shorter rather than larger than this
 MOST_BYTES = 64 << 20  # a window that is asked for is refused above: phones fail to open larger pages
@@ -169,7 +170,7 @@ def _window_bytes(run, first, end):
 
 
 def _page_data(run, first, end):
-    """What viewer.js draws. Lengths in metres; positions and vertices are Float32 about centres taken off in doubles."""
+    """What viewer.js draws, in metres; positions and vertices are Float32 about centres taken off in doubles."""
     with h5py.File(run.path) as file:
         position = file["motion/position"][first:end]
         orientation = file["motion/orientation"][first:end]
@@ -219,7 +220,8 @@ def _page_data(run, first, end):
         "containment": str(containment),
         "meshes": meshes,
         "bodies": [
-            {"name": name, "mesh": number[b], "fixed": bool(row.fixed), "big": bool(big[b]), "born": int(row.first_step)}
+            {"name": name, "mesh": number[b], "fixed": bool(row.fixed), "big": bool(big[b]),
+             "born": int(row.first_step)}
             for b, (name, row) in enumerate(table.iterrows())
         ],
         "poses": _base64(poses.astype("<f4")),
@@ -271,7 +273,7 @@ def _base64(array):
 
 
 def _filled(data, title):
-    """The page: viewer.html with the title, the data, three.js and viewer.js in place of its marks."""
+    """The page: viewer.html with the title, the data, three.js and our scripts in place of its marks."""
     for path in THREE_JS:
         if not path.is_file():
             raise Uninstalled(f"{path}: is missing; scripts/setup installs it (Debian's libjs-three)")
@@ -281,10 +283,7 @@ def _filled(data, title):
         "<!-- title -->": html.escape(title),
         "<!-- data -->": f'<script type="application/json" id="data">{document}</script>',
         "<!-- three -->": three,
-        "<!-- measure -->": _script((HERE / "measure.js").read_text(encoding="utf-8")),
-        "<!-- picture -->": _script((HERE / "picture.js").read_text(encoding="utf-8")),
-        "<!-- viewer -->": _script((HERE / "viewer.js").read_text(encoding="utf-8")),
-    }
+    } | {f"<!-- {name} -->": _script((HERE / f"{name}.js").read_text(encoding="utf-8")) for name in SCRIPTS}
     page = (HERE / "viewer.html").read_text(encoding="utf-8")
     for mark, text in filled.items():
         before, after = page.split(mark)
