@@ -31,7 +31,7 @@ def main(arguments=None):
         chosen.act(chosen)
     except viewer.Unfit as error:
         print(" ".join(str(error).split()), file=sys.stderr)
-        return 3
+        return error.code
     except (OSError, KeyError, ValueError, RuntimeError) as error:
         text = error.args[0] if isinstance(error, KeyError) and error.args else error
         print(" ".join(str(text).split()), file=sys.stderr)

@@ -54,7 +54,8 @@ def browsing(path, width=1200, height=900, scale=1, phone=False, timeout=60):
         os.dup2(theirs_read, 3)
         os.dup2(theirs_write, 4)
 
-    with tempfile.TemporaryDirectory() as profile:
+    # Chromium's helpers may still write to the profile for a moment after it has ended.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         command = [program, *OPTIONS, f"--user-data-dir={profile}"]
         process = subprocess.Popen(command, close_fds=False, preexec_fn=wire, stderr=subprocess.DEVNULL)
         os.close(theirs_read)
