@@ -1,8 +1,10 @@
 """The report: what its figures say is so, its page stands alone, and odd results give a report that says what is odd."""
 
+import os
 import re
 import shutil
 import subprocess
+import sys
 import xml.dom.minidom
 
 import h5py
@@ -351,3 +353,21 @@ def test_the_script_finds_its_python_from_any_folder(result_file, tmp_path):
     run = subprocess.run([str(ROOT / "scripts" / "report"), str(result_file)], cwd=tmp_path, text=True, capture_output=True)
     assert run.returncode == 0 and run.stdout == "report.html\n" and run.stderr == "", run.stderr
     assert (tmp_path / "report.html").stat().st_size > 10000
+
+
+# ---- README
+
+
+def test_the_ten_lines_of_the_readme_draw_its_picture(result_file, tmp_path):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (code,) = [block for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "savefig" in block]
+    assert len([line for line in code.splitlines() if line.strip()]) == 10
+    (tmp_path / "results").mkdir()
+    shutil.copy(result_file, tmp_path / "results" / "padani.h5")
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"}
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, check=True)
+    drawn = (tmp_path / "error_against_time.svg").read_text(encoding="utf-8")
+    (picture,) = re.findall(r"!\[[^]]*\]\((\S*error_against_time.svg)\)", text)
+    for svg in (drawn, (ROOT / picture).read_text(encoding="utf-8")):
+        for words in ("error = (FP + FN) / (TP + FP + FN)", *load(result_file).meta["algorithms"][:3]):
+            assert f"<!-- {words} -->" in svg  # matplotlib names each text so
