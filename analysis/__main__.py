@@ -1,16 +1,16 @@
 """python3 -m analysis: what the results say, printed or as a page.
 
-Exit codes as the pipeline's: 0 done, 2 the command line's grammar, 4 a file that is missing, not a result or cannot be
-written.
+Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit the
+file, 4 a file that is missing, not a result or cannot be written.
 """
 
 import argparse
 import os
 import sys
 
-from analysis import scenes
+from analysis import scenes, viewer
 from analysis.load import load
-from analysis.statements import verdicts
+from analysis.statements import shown, verdicts
 
 KINDS = ("box", "falling", "playground")
 
@@ -25,9 +25,13 @@ def main(arguments=None):
     command.add_argument("file", nargs="+", help="results; those of one motion and truth are drawn together")
     command.add_argument("-o", "--output", default="report.html", help="the page (default: report.html)")
     command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output))
+    viewer.add_command(commands)
     chosen = parser.parse_args(arguments)
     try:
         chosen.act(chosen)
+    except viewer.Unfit as error:
+        print(" ".join(str(error).split()), file=sys.stderr)
+        return 3
     except (OSError, KeyError, ValueError, RuntimeError) as error:
         text = error.args[0] if isinstance(error, KeyError) and error.args else error
         print(" ".join(str(text).split()), file=sys.stderr)
@@ -98,13 +102,6 @@ def table(found):
         rows.append((f"{verdict.number} {verdict.variant}".strip(), word, figures or why, verdict.text))
     widths = [max(len(row[column]) for row in rows) for column in range(3)]
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths + [0])).rstrip() for row in rows)
-
-
-def shown(value):
-    """A figure: three digits, whole numbers in full."""
-    if not isinstance(value, float):
-        return str(value)
-    return f"{value:.0f}" if 1000 <= abs(value) < 1e15 else f"{value:.3g}"
 
 
 if __name__ == "__main__":
