@@ -1,7 +1,7 @@
 """python3 -m analysis: what the results say, printed or as a page.
 
-Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit the
-file, 4 a file that is missing, not a result or cannot be written.
+Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit
+the file, 4 a file that is missing, not a result or cannot be written.
 """
 
 import argparse
