@@ -1,7 +1,7 @@
 """python3 -m analysis: what the results say, printed or as a page.
 
-Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit the
-file, 4 a file that is missing, not a result or cannot be written.
+Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit
+the file, 4 a file that is missing, not a result or cannot be written.
 """
 
 import argparse
@@ -48,6 +48,9 @@ def write_report(paths, output):
             with open(output, "rb") as file:
                 if not file.read(9).lower().startswith(b"<!doctype"):
                     raise FileExistsError(f"{output}: exists and is not an HTML page; it is not overwritten")
+    folder = os.path.dirname(output) or "."
+    if not os.path.isdir(folder) or not os.access(folder, os.W_OK):
+        raise OSError(f"{output}: cannot be written: {folder} is no folder that can be written to")
     runs = [read(path) for path in paths]
     from analysis.report import report  # matplotlib is slow to load, and nothing above needs it
 
