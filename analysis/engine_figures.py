@@ -47,6 +47,8 @@ def parts(run):
     physics = run.physics[["time_ns", "contact_time_ns", "contacts"]].iloc[: simulated(run)]
     if not (physics.time_ns > 0).any():
         raise NotDrawn("no time of the integration is recorded")
+    if any(not (steps.time_ns[1:, column] > 0).any() for column in columns.values()):
+        raise NotDrawn("no time of Cannon's phases is recorded")
     return steps, columns, physics
 
 
@@ -107,7 +109,7 @@ def parts_of_a_step(run, kind, key):
         f"Collision time ({label}) varies {'less' if calmer else 'no less'} than physics time, "
         f"{'as in' if calmer else 'unlike in'} the thesis: its 5th to 95th percentile spans "
         f"{digits(collision['spread / median'])} times the median, that of physics {digits(whole['spread / median'])} "
-        f"times; physics take {digits(whole['mean ns'] / collision['mean ns'])} times as long."
+        f"times; physics take {digits(whole['mean ns'] / collision['mean ns'])} times as long"
     )
     what = (
         "Collision: Cannon's phases in C++ on all pairs of a step; physics: Simbody's integration since the step "
@@ -158,7 +160,7 @@ def against_collisions(run, kind, key):
         f"A dot per step, n = {len(steps.hits) - 1}; r is Pearson's correlation{when}. The slowest 0.5 % may lie "
         f"above a panel; panels have axes of their own.{timing_note(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, thesis(kind, 1)), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 1)), table, key)
 
 
 def against_bodies(run, kind, key):
@@ -196,7 +198,7 @@ def against_bodies(run, kind, key):
         f"Median time over the steps with as many bodies, n = {len(steps.hits) - 1} steps; beside a name the exponent "
         f"fitted to the logarithms from {t.SQUARE_FROM} bodies on.{timing_note(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, thesis(kind, 2)), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 2)), table, key)
 
 
 def per_collision(run, kind, key):
@@ -250,7 +252,7 @@ def per_collision(run, kind, key):
         "Collision time over the pairs that the same algorithm reports, physics time over the integrator's contacts; "
         f"n = {len(number) - 1} steps, those without a collision left out, each point a median.{timing_note(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, thesis(kind, 3)), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 3)), table, key)
 
 
 def swing(values):

@@ -29,7 +29,7 @@ from analysis.drawing import (
 from analysis.figure import PALETTE, Figure, figure, style, svg_of
 
 THESIS = {"box": "figures 5.5 to 5.13", "falling": "figures 5.17 to 5.25"}
-TRUTH = "#C9C9C9"
+TRUTH = "#DADADA"
 
 
 def time_per_step(run, kind, key):
@@ -67,7 +67,7 @@ def time_per_step(run, kind, key):
         f"Time of an algorithm for all pairs of a step, preparation included; n = {len(steps.hits)} steps, each point "
         f"the median of {stretch(steps.hits)}. Spread is over the {steps.full.sum()} steps{when}.{left_out(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
 
 def spread(steps):
@@ -125,7 +125,7 @@ def hits_per_step(run, kind, key):
         f"point the mean of {stretch(steps.hits)}. The axis is linear below 1.{left_out(run)}"
     )
     table.index.name = "algorithm"
-    return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table.astype({"hits": int}), key)
+    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table.astype({"hits": int}), key)
 
 
 def follows_table(steps):
@@ -162,7 +162,7 @@ def follows_title(names, r):
         unknown = listed(name for name in names if np.isnan(values[name]))
         start = "it" if parts else "Whether time follows hits"
         parts.append(f"{start} cannot be told for {unknown}, where one of them does not vary")
-    return "; ".join(parts) + "."
+    return "; ".join(parts)
 
 
 def span(values):
@@ -252,7 +252,7 @@ def time_against_hits(run, kind, key):
         "is the cost of a hit. The slowest 0.5 % of steps may lie above a panel; panels have axes of their own."
         f"{left_out(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
 
 def time_against_bodies(run, kind, key):
@@ -297,7 +297,7 @@ def time_against_bodies(run, kind, key):
         f"steps. Beside a name: the exponent fitted to the logarithms from {t.SQUARE_FROM} bodies on; {t.SQUARE[0]} "
         f"to {t.SQUARE[1]} counts as the square.{left_out(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
 
 def exponents(median):

@@ -54,12 +54,13 @@ def means_table(run, kind):
     for letter, milliseconds in THESIS_MS.items():
         if label := letters.get(letter):
             mean = steps.time_ns[:, steps.labels.index(label)].mean() / 1e6
-            rows[label] = (letter, milliseconds[kind == "falling"], mean)
+            if mean > 0:
+                rows[label] = (letter, milliseconds[kind == "falling"], mean)
     if len(rows) < 2:
-        raise NotDrawn(f"the file has {len(rows) or 'none'} of the thesis's nine algorithms as published")
+        raise NotDrawn(f"the file has {len(rows) or 'none'} of the thesis's nine algorithms as published, timed")
     table = pd.DataFrame.from_dict(rows, orient="index", columns=["key", "thesis ms", "this run ms"])
     table = table.sort_values("thesis ms").rename_axis("algorithm")
-    table["JS / C++"] = table["thesis ms"] / table["this run ms"].where(table["this run ms"] > 0)
+    table["JS / C++"] = table["thesis ms"] / table["this run ms"]
     table["rank in the thesis"] = table["thesis ms"].rank().astype(int)
     table["rank here"] = table["this run ms"].rank(method="min").astype(int)
     return table
@@ -87,13 +88,16 @@ def means_figure(run, kind, name):
     fig.legend(loc="upper center", ncol=2, fontsize=9, frameon=False, borderaxespad=0.1)
 
     moved = (table["rank here"] - table["rank in the thesis"]).abs()
-    title = f"The order of mean times and that of table {TABLE[kind]} have rank correlation "
-    title += f"{rho:.2f} (Spearman; Kendall {tau:.2f}; n = {len(table)})"
-    if moved.max():
+    if np.isnan(rho):
+        title = f"All mean times are equal here, so their order cannot be compared with table {TABLE[kind]}"
+    else:
+        title = f"The order of mean times and that of table {TABLE[kind]} have rank correlation "
+        title += f"{rho:.2f} (Spearman; Kendall {tau:.2f}; n = {len(table)})"
+    if moved.max() and not np.isnan(rho):
         label = moved.idxmax()
         title += f"; {label} moves most, from place {table['rank in the thesis'][label]} to {table['rank here'][label]}"
     low, high = table["JS / C++"].min(), table["JS / C++"].max()
-    title += f"; the thesis's JavaScript took {digits(low)} to {digits(high)} times as long as C++ here."
+    title += f"; the thesis's JavaScript took {digits(low)} to {digits(high)} times as long as C++ here"
     what = (
         "Two machines on one axis: the thesis's means come from its own computer and browser and scenes of its own "
         f"length, so only orders and ratios say something. n = {len(table)} algorithms, "
@@ -122,7 +126,7 @@ def statements_table(scenes, notes=()):
         f"at {t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. Lengths "
         "are in m, times ratios, shares of 1."
     )
-    return Table(title + ".", frame.set_index("no."), " ".join([text, *notes]))
+    return Table(title, frame.set_index("no."), " ".join([text, *notes]))
 
 
 def counted(frame):
