@@ -1,5 +1,7 @@
 """Tables 5.1 and 5.2 of the thesis beside this run's times, and the verdicts on its statements as a table."""
 
+import re
+
 import numpy as np
 import pandas as pd
 
@@ -114,7 +116,7 @@ def statements_table(scenes, notes=()):
         word, _, why = verdict.verdict.partition(": ")  # why: only of what is not testable
         figures = "; ".join(f"{name}: {shown(value)}" for name, value in verdict.figures.items())
         form = "careful" if verdict.variant else "as published"
-        rows.append((verdict.number, form, word, verdict.text, figures or why))
+        rows.append((verdict.number, form, word, spelled(verdict.text), figures or why))
     frame = pd.DataFrame(rows, columns=["no.", "form", "verdict", "the thesis says", "figures"])
     careful = frame[frame.form == "careful"]
     title = f"Of the thesis's {(frame.form != 'careful').sum()} statements {counted(frame[frame.form != 'careful'])}"
@@ -123,10 +125,20 @@ def statements_table(scenes, notes=()):
     text = (
         f"{letters}. What words such as “slightly” mean is a number of analysis/thresholds.py, fixed before there were "
         f"results: early and late count from {t.EXACT_M} m on, “slightly” ends at {t.SLIGHT_M} m, “too early” begins "
-        f"at {t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. Lengths "
-        "are in m, times ratios, shares of 1."
+        f"at {t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. "
+        "Lengths are in m, times ratios, shares of 1."
     )
     return Table(title, frame.set_index("no."), " ".join([text, *notes]))
+
+
+def spelled(text):
+    """A statement with the names of its algorithms; one about more than two keeps the letters, which orders need."""
+    letters = re.findall(rf"\b[{''.join(KEYS)}]\b", text)
+    if len(set(letters)) > 2:
+        return text
+    for letter in dict.fromkeys(letters):
+        text = re.sub(rf"\b{letter}\b", f"{letter} ({KEYS[letter]})", text, count=1)
+    return text
 
 
 def counted(frame):
