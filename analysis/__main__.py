@@ -1,14 +1,14 @@
 """python3 -m analysis: what the results say, printed or as a page.
 
-Exit codes as the pipeline's: 0 done, 2 the command line's grammar, 4 a file that is missing, not a result or cannot be
-written.
+Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit the
+file, 4 a file that is missing, not a result or cannot be written.
 """
 
 import argparse
 import os
 import sys
 
-from analysis import scenes
+from analysis import scenes, viewer
 from analysis.load import load
 from analysis.statements import shown, verdicts
 
@@ -25,9 +25,13 @@ def main(arguments=None):
     command.add_argument("file", nargs="+", help="results; those of one motion and truth are drawn together")
     command.add_argument("-o", "--output", default="report.html", help="the page (default: report.html)")
     command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output))
+    viewer.add_command(commands)
     chosen = parser.parse_args(arguments)
     try:
         chosen.act(chosen)
+    except viewer.Unfit as error:
+        print(" ".join(str(error).split()), file=sys.stderr)
+        return 3
     except (OSError, KeyError, ValueError, RuntimeError) as error:
         text = error.args[0] if isinstance(error, KeyError) and error.args else error
         print(" ".join(str(text).split()), file=sys.stderr)
@@ -37,8 +41,6 @@ def main(arguments=None):
 
 def write_report(paths, output):
     """The page of the results at `paths`, whole or not at all; prints where it is. Only a page is overwritten."""
-    from analysis.report import report  # matplotlib is slow to load, and nothing else here needs it
-
     if os.path.exists(output):
         if os.path.isdir(output):
             raise IsADirectoryError(f"{output}: is a folder; -o names the page's file")
@@ -46,7 +48,10 @@ def write_report(paths, output):
             with open(output, "rb") as file:
                 if not file.read(9).lower().startswith(b"<!doctype"):
                     raise FileExistsError(f"{output}: exists and is not an HTML page; it is not overwritten")
-    text = report([read(path) for path in paths])
+    runs = [read(path) for path in paths]
+    from analysis.report import report  # matplotlib is slow to load, and nothing above needs it
+
+    text = report(runs)
     part = f"{output}.{os.getpid()}.part"
     try:
         with open(part, "w", encoding="utf-8") as file:

@@ -146,7 +146,8 @@ def svg_of(fig, titles=None):
 
     No XML header, no metadata, no address of any network; text is text. Identifiers that nothing refers to are dropped,
     the others start with a digest of the content, so several figures live on one page.
-    titles: gid of an artist -> text that a browser shows when the pointer is over it.
+    titles: gid of an artist -> text that a browser shows when the pointer is over it. A text with the gid "halo" stands
+    on white, so lines below it do not hurt.
     """
     with plt.rc_context(SETTINGS):
         target = io.StringIO()
@@ -161,6 +162,8 @@ def svg_of(fig, titles=None):
     text = re.sub(r' xmlns(:xlink)?="[^"]*"', "", text)
     for gid, words in (titles or {}).items():
         text = text.replace(f'<g id="{gid}">', f"<g><title>{html.escape(words)}</title>")
+    halo = "paint-order:stroke;stroke:#fff;stroke-width:2.5px;stroke-linejoin:round"
+    text = text.replace('<g id="halo">', f'<g style="{halo}">')
     prefix = "f" + hashlib.sha256(text.encode()).hexdigest()[:10]
     used = set(re.findall(r'href="#([^"]+)"', text)) | set(re.findall(r"url\(#([^)]+)\)", text))
     text = re.sub(r' id="([^"]+)"', lambda found: f' id="{prefix}{found[1]}"' if found[1] in used else "", text)

@@ -44,7 +44,10 @@ def place(anchors, sizes, region, marks, segments, radius=5.0):
             covered |= _crosses(candidates, leaders).any(axis=1)  # another leader through it
             others = mark_boxes[(marks != anchors[label]).any(axis=1)]
             through = long * _crosses(others + [2, 2, -2, -2], lines).sum(axis=0)
-            price = distance + 6 * _crosses(candidates, segments).sum(axis=1) + 15 * through
+            gaps = np.hypot(*np.moveaxis(_gap(candidates, marks[(marks != anchors[label]).any(axis=1)]), 2, 0)).min(axis=1, initial=np.inf)
+            own = np.hypot(*_gap(candidates, anchors[label : label + 1])[:, 0].T)
+            price = distance + 2.5 * np.maximum(0, own + 2 - gaps)  # nearer to a stranger's mark than to its own
+            price += 6 * _crosses(candidates, segments).sum(axis=1) + 15 * through
             price = np.where(covered, np.inf, price)
             best = int(np.argmin(price))
             if np.isfinite(price[best]):
@@ -72,6 +75,11 @@ def _candidates(anchor, extent, radius):
 
 def _nearest(boxes, point):
     return np.clip(point, boxes[:, :2], boxes[:, 2:])
+
+
+def _gap(boxes, points):
+    """(A,B,2): from points to the nearest of each box."""
+    return points[None, :, :] - np.clip(points[None, :, :], boxes[:, None, :2], boxes[:, None, 2:])
 
 
 def _overlap(a, b, gap):

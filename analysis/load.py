@@ -153,6 +153,23 @@ class Run:
         return self._pairs("truth", "contained_pair", "contained_offset")
 
     @cached_property
+    def gaps(self):
+        """The distances of near pairs that do not meet; None when not recorded. Margin (m): attrs["margin"].
+
+        Columns: step, a, b (numbers of bodies, a < b), lower, upper (m): lower <= distance <= upper, both certified. A
+        pair whose distance is surely above the margin is not there. N rows, sorted.
+        """
+        with h5py.File(self.path) as file:
+            truth = file["truth"]
+            if "gap_pair" not in truth:
+                return None
+            bounds = {name: truth[f"gap_{name}"][()] for name in ("lower", "upper")}
+            margin = float(truth.attrs["gap_margin"])
+        table = self._pairs("truth", "gap_pair", "gap_offset").assign(**bounds)
+        table.attrs["margin"] = margin
+        return table
+
+    @cached_property
     def bodies(self):
         """One row per body, indexed by its name.
 

@@ -39,7 +39,7 @@ details { margin: .5rem 0; } summary { cursor: pointer; color: var(--blue); font
 table { border-collapse: separate; border-spacing: 0; font-size: .84rem; line-height: 1.35; font-variant-numeric: tabular-nums; min-width: 100%; }
 th, td { padding: .28rem .6rem; text-align: left; vertical-align: top; border-bottom: 1px solid #ececec; background: #fff; }
 td.n, th.n { text-align: right; white-space: nowrap; }
-td.t { min-width: 5.5rem; overflow-wrap: break-word; }
+td.s { white-space: nowrap; } thead th.n { white-space: normal; }
 td.long { min-width: 15rem; overflow-wrap: anywhere; }
 thead th { position: sticky; top: 0; z-index: 2; background: var(--tint); border-bottom: 1px solid #bbb; vertical-align: bottom; }
 tbody th { position: sticky; left: 0; z-index: 1; font-weight: 600; white-space: nowrap; border-right: 1px solid var(--line); }
@@ -62,16 +62,16 @@ footer { margin-top: 4rem; padding-top: .7rem; border-top: 1px solid var(--line)
   @page { margin: 14mm; }
   body { max-width: none; padding: 0; font-size: 9.5pt; } nav, .skip { display: none; } a { color: inherit; text-decoration: none; }
   .scroll, .tall { overflow: visible; max-height: none; border: 0; } thead th, tbody th { position: static; }
-  table { font-size: 6.8pt; min-width: 0; } th, td { padding: .12rem .3rem; } td.long { min-width: 0; } tbody th { white-space: normal; }
+  table { font-size: 6.8pt; min-width: 0; } th, td { padding: .12rem .3rem; } td.long { min-width: 0; } td.s { white-space: normal; } tbody th { white-space: normal; }
   th button::after { content: none; }
-  figure h3, h2, h3, .table h3 { break-after: avoid; } .picture, tr, .warnings { break-inside: avoid; } .picture { max-width: 15cm; }
-  details::details-content { content-visibility: visible; height: auto; } summary { color: var(--soft); list-style: none; }
+  figure h3, h2, h3, .table h3 { break-after: avoid; } .picture, tr, h3, .warnings { break-inside: avoid; } .picture { max-width: 15cm; }
+  details:not(.text)::details-content { content-visibility: visible; height: auto; } summary { color: var(--soft); list-style: none; }
   td.bar { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 """
 
 SCRIPT = """
-// Tables are sorted by a column when its head is pressed; folded parts are opened for printing.
+// Tables are sorted by a column when its head is pressed; folded numbers are opened for printing.
 const value = cell => { const text = cell.textContent.replace(/[\\u2009\\s]/g, ""), n = parseFloat(text);
   return text === "\\u2013" ? Infinity : isNaN(n) ? text : n; };
 for (const button of document.querySelectorAll("th button")) button.addEventListener("click", () => {
@@ -85,12 +85,13 @@ for (const button of document.querySelectorAll("th button")) button.addEventList
   body.append(...rows);
 });
 let folded = [];
-addEventListener("beforeprint", () => { folded = [...document.querySelectorAll("details:not([open])")]; folded.forEach(d => d.open = true); });
+addEventListener("beforeprint", () => { folded = [...document.querySelectorAll("details:not([open], .text)")]; folded.forEach(d => d.open = true); });
 addEventListener("afterprint", () => folded.forEach(d => d.open = false));
 """
 
 LONG = 40  # characters: texts that are given room to be read in lines
-LONG_HEAD = 22  # characters: heads of rows that may break
+SHORT = 26  # characters: texts that do not break
+LONG_HEAD = 28  # characters: heads of rows that may break
 TALL = 60  # rows: longer tables scroll within themselves
 
 
@@ -147,7 +148,7 @@ def _part(part):
             f'<p class="caption">{html.escape(part.caption)}</p></div>'
         )
     if isinstance(part, Text):
-        return f"<details><summary>{html.escape(part.title)}</summary><pre>{html.escape(part.text)}</pre></details>"
+        return f"<details class=text><summary>{html.escape(part.title)}</summary><pre>{html.escape(part.text)}</pre></details>"
     return f"<p>{html.escape(part)}</p>"
 
 
@@ -161,9 +162,10 @@ def table(frame, title):
     sortable = len(frame) > 2
     heads = [_head(frame.index.name or "", sortable, False)]
     heads += [_head(column, sortable, right) for column, right in zip(frame.columns, numeric)]
+    columns = [_cells(frame.iloc[:, c], right) for c, right in enumerate(numeric)]
     rows = []
-    for index, values in zip(frame.index, zip(*(frame.iloc[:, c] for c in range(frame.shape[1])))):
-        cells = "".join(_cell(value, column) for value, column in zip(values, frame.columns))
+    for index, *cells in zip(frame.index, *columns):
+        cells = "".join(cells)
         head = shown(index)
         rows.append(f'<tr><th scope="row"{" class=long" if len(head) > LONG_HEAD else ""}>{head}</th>{cells}</tr>')
     return (
@@ -178,17 +180,28 @@ def _head(name, sortable, right):
     return f'<th scope="col"{" class=n" if right else ""}>{inner}</th>'
 
 
-def _cell(value, column):
-    text = shown(value)
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Number):
-        return f"<td class=long>{text}</td>" if len(text) > LONG else f"<td>{text}</td>"
-    if column == "error" and 0 <= value <= 1:
-        return f'<td class="n bar" style="--v:{value * 100:.0f}%">{text}</td>'
-    return f"<td class=n>{text}</td>"
+def _cells(values, right):
+    """The cells of a column. Fractions of one size get the same number of decimals, so that they can be compared."""
+    if not right:
+        texts = [shown(value) for value in values]
+        return [f"<td{_width(text)}>{text}</td>" for text in texts]
+    if values.name == "error" and values.between(0, 1).all():
+        return [f'<td class="n bar" style="--v:{value * 100:.0f}%">{value:.4f}</td>' for value in values]
+    size = values.abs()[(values != 0) & values.notna()].astype(float)
+    size = size[np.isfinite(size)]
+    decimals = None
+    if pd.api.types.is_float_dtype(values.dtype) and len(size) and size.max() < 2000 * size.min():
+        decimals = int(np.clip(2 - np.floor(np.log10(size.min())), 0, 6))
+    return [f"<td class=n>{shown(value, decimals)}</td>" for value in values]
 
 
-def shown(value):
-    """A cell's text, escaped: four digits, whole numbers in full with thin spaces, a dash for what is not a number."""
+def _width(text):
+    return " class=long" if len(text) > LONG else " class=s" if len(text) < SHORT else ""
+
+
+def shown(value, decimals=None):
+    """A cell's text, escaped: four digits or so many decimals, whole numbers in full with thin spaces, a dash for what is
+    not a number."""
     if isinstance(value, (bool, np.bool_)):
         return "yes" if value else "no"
     if isinstance(value, numbers.Integral):
@@ -196,9 +209,11 @@ def shown(value):
     if isinstance(value, numbers.Real):
         if not np.isfinite(value):
             return "–" if np.isnan(value) else ("∞" if value > 0 else "−∞")
+        if decimals is not None:
+            return f"{value:,.{decimals}f}".replace(",", "\u2009" if abs(value) >= 9999.5 else "")
         if abs(value) >= 9999.5 and abs(value) < 1e15:
             return f"{value:,.0f}".replace(",", "\u2009")
         return f"{value:.4g}"
-    if value is None or value is pd.NaT:
+    if value is None or value is pd.NaT or value is pd.NA:
         return "–"
     return html.escape(str(value))

@@ -29,11 +29,11 @@ def time(ns):
 
 
 def number(value):
-    """Three digits; whole numbers of more in full, with thin spaces."""
+    """Three digits; more of them in full, with thin spaces from five on."""
     if not np.isfinite(value):
         return "–"
     if abs(value) >= 999.5:
-        return f"{value:,.0f}".replace(",", "\u2009")
+        return f"{value:,.0f}".replace(",", "\u2009" if abs(value) >= 9999.5 else "")
     return f"{value:.3g}"
 
 
@@ -136,7 +136,7 @@ def _caption(scene, points, cost):
     commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
     hits = int(run.truth_hits.sum())
     return (
-        f"{scene.title}: {len(points)} labels, {run.meta['steps']} steps, {len(run.meta['bodies'])} bodies, {number(hits)} "
+        f"{scene.title}: {len(points)} labels, {number(run.meta['steps'])} steps, {len(run.meta['bodies'])} bodies, {number(hits)} "
         f"pairs truly meet over all steps. Down and to the left is better; the dashed line is the Pareto front: nothing below it "
         f"is cheaper. {what if cost == 'time_mean_ns' else units} Configuration {configs}, motion and truth of commit {commits}. "
         + (machines if cost == "time_mean_ns" else "")
@@ -170,7 +170,7 @@ def _draw(points, cost):
     legend = _legend(points, crowded, lines, joined)
     rows = -(-len(legend) // 3)
     below = MARGIN["bottom"] + 13 * rows + 4
-    fig, (main, strip) = figure(2, height=HEIGHT + 13 * rows / 72, sharex=True, constrained_layout=False)
+    fig, (main, strip) = figure(2, height=HEIGHT + 0.7 * crowded + 13 * rows / 72, sharex=True, constrained_layout=False)
     width, height = (size * 72 for size in fig.get_size_inches())
     left, right = MARGIN["left"] / width, 1 - MARGIN["right"] / width
     strip.set_position([left, below / height, right - left, STRIP / height])
@@ -306,7 +306,7 @@ def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
         if np.isnan(corner).any():
             continue  # no room: its numbers are in the table, its name under the pointer
         x, y = to_figure.transform(corner)
-        fig.text(x, y, points.label[row], fontsize=TEXT, fontweight=weight, color="#111111", va="bottom", ha="left", zorder=6)
+        fig.text(x, y, points.label[row], fontsize=TEXT, fontweight=weight, color="#111111", va="bottom", ha="left", zorder=6, gid="halo")
         line = labels.leader(corner, extent, pixels[row], radius)
         if line:
             ends = to_figure.transform([line[:2], line[2:]])

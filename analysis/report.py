@@ -7,10 +7,14 @@ import pandas as pd
 from analysis import pareto, plots_error
 from analysis.figure import Section, Table, Text
 from analysis.page import page
-from analysis.plots_error import COSTS, number
+from analysis.plots_error import number
 
 SUMMARY = {  # column of the summary -> its head
     "error": "error",
+    "time_mean_ns": "mean time (µs)",
+    "time_median_ns": "median time (µs)",
+    "time_p95_ns": "95th percentile (µs)",
+    "operations": "operations per step",
     "false_positive": "false positives",
     "false_negative": "false negatives",
     "contained_hit": "contained hits",
@@ -18,10 +22,6 @@ SUMMARY = {  # column of the summary -> its head
     "precision": "precision",
     "recall": "recall",
     "matthews": "Matthews",
-    "time_mean_ns": "mean time (µs)",
-    "time_median_ns": "median time (µs)",
-    "time_p95_ns": "95th percentile (µs)",
-    "operations": "operations per step",
 }
 
 
@@ -52,7 +52,7 @@ def lead(runs, found):
         meta = run.meta
         machine = " on ".join(filter(None, (meta["run"].get("processor"), meta["run"].get("host"))))
         made = f"{meta.get('build_type', '')} build of commit {meta.get('git_commit', '?')[:7]}"
-        what = f"{meta['steps']} steps of {len(meta['bodies'])} bodies, {len(meta['algorithms'])} labels"
+        what = f"{number(meta['steps'])} steps of {len(meta['bodies'])} bodies, {len(meta['algorithms'])} labels"
         lines.append(", ".join(filter(None, [f"{pareto.title(run)} ({pareto.name(run)}): {what}", made, machine, meta["run"].get("date", "")[:10]])))
     return lines
 
@@ -146,13 +146,17 @@ def summary(runs, found):
                     frame[head] = frame[head].astype("Int64")
         frame["promise"] = [_promise(point) for point in points.itertuples()]
         frame["on the front"] = pareto.front(points.time_mean_ns.fillna(float("inf")), points.error.fillna(float("inf")))
-        if points.machine.nunique() > 1:
-            frame["timed on"] = points.machine
+        machines = {machine: chr(ord("A") + number) for number, machine in enumerate(dict.fromkeys(points.machine))}
+        timed = "Front: of error against mean time."
+        if len(machines) > 1:
             frame = frame.drop(columns="on the front")
+            frame["timed on"] = points.machine.map(machines)
+            timed = "; ".join(f"{letter}: {machine}" for machine, letter in machines.items())
+            timed = f"Timed on {timed}. Times of different letters do not compare."
         hits = number(int(scene.runs[0].truth_hits.sum()))
         caption = (
-            f"{len(points)} labels; counts are sums over {scene.runs[0].meta['steps']} steps, in which {hits} pairs truly meet. Times are per step, "
-            f"the fastest repeat of each. A dash stands for 0/0. Front: of error against {COSTS['time_mean_ns']}."
+            f"{len(points)} labels; counts are sums over {number(scene.runs[0].meta['steps'])} steps, in which {hits} pairs truly meet. Times are per step, "
+            f"the fastest repeat of each. A dash stands for 0/0. {timed}"
         )
         parts.append(Table(scene.title, frame, caption))
         knobs = [(p.label, p.algorithm, json.dumps(p.knobs) if p.knobs else "none", p.unit) for p in points.itertuples()]
@@ -216,7 +220,7 @@ def _provenance(run):
     containment = meta["truth"].get("containment", "ignore")
     return {
         "title": meta.get("title", ""),
-        "steps": f"{meta['steps']} at {meta['rate']:g} per second" if meta["rate"] == meta["rate"] else str(meta["steps"]),
+        "steps": f"{number(meta['steps'])} at {meta['rate']:g} per second" if meta["rate"] == meta["rate"] else str(meta["steps"]),
         "bodies": str(len(meta["bodies"])),
         "pairs that meet": f"{number(int(run.truth_hits.sum()))} over all steps",
         "containment": containment,

@@ -24,6 +24,7 @@ constexpr std::size_t kMostTitle = 1024;              // characters
 constexpr std::int64_t kMostSteps = 10000000;         // at 274 bodies 120 GB of motion: further is a mistake
 constexpr double kLeastRate = 1e-6, kMostRate = 1e6;  // samples per second
 constexpr std::int64_t kMostRepeats = 1000;
+constexpr double kGapMargin = 0.1;  // m
 constexpr Range kFinite{};
 constexpr Range kNotNegative{.least = 0};
 constexpr Range kPositive{.least = 0, .above = true};
@@ -83,9 +84,13 @@ void read_physics(const Section& s, Config& config) {
   p.energy_bound = s.real("energy_bound", p.energy_bound, {.least = 1, .above = true});
 }
 
-Containment containment(const Section& s) {
-  s.only({"containment"});
-  return *containment_of(s.choice("containment", "ignore", {"ignore", "record", "meet"}));
+void read_truth(const Section& s, Config& config) {
+  s.only({"containment", "gap", "gap_margin"});
+  config.containment = *containment_of(s.choice("containment", "ignore", {"ignore", "record", "meet"}));
+  if (s.boolean("gap", false))
+    config.gap_margin = s.real("gap_margin", kGapMargin, {.least = 0, .most = kMostLength});
+  else if (s.has("gap_margin"))
+    s.refuse("gap_margin", "be absent where 'truth.gap' is not true", "write gap = true, or remove it");
 }
 
 // ---- Algorithms --------------------------------------------------------------------------------------------------
@@ -179,6 +184,8 @@ std::string effective(const Config& c) {
 
   out.table("[truth]");
   out.line("containment", std::string(text_of(c.containment)));
+  out.line("gap", c.gap_margin.has_value());
+  if (c.gap_margin) out.line("gap_margin", *c.gap_margin);
   out.table("[timing]");
   out.line("repeats", c.repeats);
   for (const AlgorithmChoice& a : c.algorithms) {
@@ -240,7 +247,7 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
     config.steps = root.integer("steps", all, 1, all);
   }
   read_physics(root.section("physics"), config);
-  config.containment = containment(root.section("truth"));
+  read_truth(root.section("truth"), config);
   config.repeats = root.section("timing").only({"repeats"}).integer("repeats", config.repeats, 1, kMostRepeats);
   config.algorithms = algorithm_choices(root);
   config.effective = effective(config);

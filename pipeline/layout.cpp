@@ -254,6 +254,15 @@ Group truth(const Truth& truth, const Sizes& n) {
     group.attributes.push_back({"containment", std::string(text_of(truth.containment))});
     add_pairs(group, truth.contained, "pairs of bodies of which one lies wholly inside the other", n, "contained_");
   }
+  if (truth.gaps) {
+    const GapLists& gaps = *truth.gaps;
+    group.attributes.push_back({"gap_margin", gaps.margin});
+    add_pairs(group, gaps.pairs, "pairs of bodies that do not meet and are within gap_margin", n, "gap_");
+    const Dimension entry{"/truth/gap_entry", gaps.pairs.pair.size()};
+    for (const auto& column : kGapReals)
+      group.datasets.push_back(viewed(std::string("/truth/") + column.name, std::span(gaps.*column.member), {entry},
+                                      column.units, column.long_name));
+  }
   return group;
 }
 

@@ -92,6 +92,10 @@ inline constexpr Column<Answers, std::vector<std::uint64_t>> kResultCounts[] = {
      "misses of a conservative method that vanish when enlarged by 2^-40"},
     {"operations", &Answers::operations, "1", "elementary tests made; what is counted: operations_unit of /answers"}};
 
+inline constexpr Column<GapLists, std::vector<double>> kGapReals[] = {
+    {"gap_lower", &GapLists::lower, "m", "the distance of the pair's surfaces is at least this, certified"},
+    {"gap_upper", &GapLists::upper, "m", "the distance of the pair's surfaces is at most this, certified"}};
+
 // A column of /results and of /summary, there only with Containment::record.
 inline constexpr char kContainedHit[] = "contained_hit";
 inline constexpr char kContainedHitWhat[] =

@@ -59,11 +59,19 @@ struct Summary {
   std::optional<std::uint64_t> contained_hit = std::nullopt;  // with Containment::record
 };
 
+/// Distances of pairs that do not meet, in metres: lower <= distance <= upper, one of each per entry of `pairs`.
+struct GapLists {
+  double margin = 0;  // m; pairs that are certainly farther apart are left out
+  PairLists pairs;
+  std::vector<double> lower, upper;
+};
+
 struct Truth {
   PairLists hits;                     // by surface
   std::vector<std::int64_t> time_ns;  // S
   Containment containment = Containment::ignore;
-  PairLists contained;  // disjoint from hits; without steps when ignored
+  PairLists contained;           // disjoint from hits; without steps when ignored
+  std::optional<GapLists> gaps;  // only where asked for
 
   bool lists_contained() const { return containment != Containment::ignore; }
   /// The pairs by which the answers of a step are scored: sorted.
@@ -117,9 +125,9 @@ struct Result {
   std::vector<std::vector<geometry::Pose>> motion;  // S x B
   std::optional<PhysicsRows> physics;               // only when integrated
   Truth truth;
-  std::vector<Answers> answers;   // A
-  std::vector<Summary> summary;   // A
-  std::optional<Passes> passes;   // only of scenes that have some
+  std::vector<Answers> answers;  // A
+  std::vector<Summary> summary;  // A
+  std::optional<Passes> passes;  // only of scenes that have some
   Provenance provenance;
   std::string digest;  // of the root; filled in by write and read
 

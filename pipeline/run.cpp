@@ -52,10 +52,13 @@ Plan plan(const Config& config) {
   const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
   const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
   plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);
+  // Gaps: about as many pairs as an algorithm reports, each with two reals; and their own placed bodies.
+  const std::uint64_t gaps = config.gap_margin ? 1 : 0;
+  plan.file_bytes += gaps * steps * (4 * size.bodies * 24 + 8);
   // In memory: the result and, while it is written, once more its datasets; the truth's world vertices (24 bytes) and
   // boxes (about 48 bytes a triangle) of every body; hierarchies and sampled facets (about 200 bytes a triangle of a
   // mesh).
-  plan.memory_bytes = 2 * plan.file_bytes + (24 + 2 * 48) * size.body_vertices + 200 * size.mesh_triangles;
+  plan.memory_bytes = 2 * plan.file_bytes + (1 + gaps) * (24 + 2 * 48) * size.body_vertices + 200 * size.mesh_triangles;
   return plan;
 }
 
@@ -113,7 +116,7 @@ Result run(const Config& config, const RunOptions& options) {
   }
   {
     Progress progress("truth", steps, options.quiet);
-    result.truth = decide(scene.bodies, result.motion, threads, part, progress, config.containment);
+    result.truth = decide(scene.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);
   }
   {
     Progress progress("detect", steps, options.quiet);

@@ -185,6 +185,9 @@ std::string result_text(const Result& result) {
     text += print("%zu pairs of which one lies inside the other: ", result.truth.contained.pair.size()) +
             (result.truth.containment == Containment::meet ? "they count as meeting\n"
                                                            : "hits on them are counted apart\n");
+  if (result.truth.gaps)
+    text += print("%zu distances of pairs within %g m that do not meet\n", result.truth.gaps->pairs.pair.size(),
+                  result.truth.gaps->margin);
   if (result.physics) text += "integration " + result.physics->status + "\n";
   text += "\n";
 
@@ -231,6 +234,10 @@ std::string result_json(const Result& result, const std::string& path) {
                {"containment", text_of(result.truth.containment)},
                {"contained", result.truth.contained.pair.size()},
                {"digest", result.digest}};
+  if (result.truth.gaps) {
+    json["gaps"] = result.truth.gaps->pairs.pair.size();
+    json["gap_margin"] = result.truth.gaps->margin;
+  }
   json["integration"] = result.physics ? Json(result.physics->status) : Json(nullptr);
   for (const auto& [group, digest] : digests(result)) json["digests"][group] = digest;
   json["algorithms"] = Json::array();
@@ -328,6 +335,11 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
       text += "bodies wholly inside others are listed and count as meeting\n";
       break;
   }
+  text += "gaps        ";
+  text += config.gap_margin
+              ? print("a lower and an upper bound on the distance of pairs within %g m that do not meet\n",
+                      *config.gap_margin)
+              : "not asked for, so no distance is computed\n";
   const bool facets = std::ranges::any_of(config.algorithms, [](const AlgorithmChoice& choice) {
     return choice.knobs.contains("densify") ||
            (choice.knobs.contains("prefilter") &&
@@ -353,6 +365,7 @@ std::string plan_json(const Config& config, const Plan& plan, const std::string&
                {"file_bytes", plan.file_bytes}, {"memory_bytes", plan.memory_bytes}};
   if (plan.passes > 0) json["passes"] = plan.passes;
   json["containment"] = text_of(config.containment);
+  if (config.gap_margin) json["gap_margin"] = *config.gap_margin;
   json["inputs_sha256"] = config.inputs;
   if (config.scene_kind->integrated)
     json["physics"] = {{"integrator", config.physics.integrator}, {"accuracy", config.physics.accuracy}};

@@ -471,6 +471,14 @@ Result read_all(const Reader& from) {
     result.truth.containment = *kept;
     result.truth.contained = from.pairs("/truth", steps, bodies, "contained_");
   }
+  if (from.has("/truth/gap_pair")) {
+    GapLists& gaps = result.truth.gaps.emplace();
+    gaps.margin = from.attribute<double>("/truth", "gap_margin");
+    gaps.pairs = from.pairs("/truth", steps, bodies, "gap_");
+    for (const auto& column : kGapReals)
+      gaps.*column.member =
+          from.values<double>(std::string("/truth/") + column.name, Type::f64, {gaps.pairs.pair.size()});
+  }
   result.truth.time_ns = from.values<std::int64_t>("/truth/time_ns", Type::i64, {steps});
   if (from.has("/algorithm")) {
     result.answers = read_answers(from, steps, bodies);

@@ -6,6 +6,7 @@
 #include <exception>
 #include <thread>
 
+#include "geometry/gap.hpp"
 #include "geometry/meet.hpp"
 #include "pipeline/error.hpp"
 
@@ -17,6 +18,7 @@ constexpr std::string_view kContainment[] = {"ignore", "record", "meet"};  // in
 struct TruthChunk {
   PairLists hits, contained;
   std::vector<std::int64_t> time_ns;
+  std::optional<GapLists> gaps;
 
   std::string bytes() const {
     ChunkWriter out;
@@ -25,9 +27,15 @@ struct TruthChunk {
     out.put(contained.offset);
     out.put(contained.pair);
     out.put(time_ns);
+    if (gaps) {
+      out.put(gaps->pairs.offset);
+      out.put(gaps->pairs.pair);
+      out.put(gaps->lower);
+      out.put(gaps->upper);
+    }
     return out.bytes;
   }
-  static TruthChunk from(const std::string& bytes) {
+  static TruthChunk from(const std::string& bytes, bool has_gaps) {
     ChunkReader in(bytes);
     TruthChunk chunk;
     chunk.hits.offset = in.get<std::uint64_t>();
@@ -35,21 +43,43 @@ struct TruthChunk {
     chunk.contained.offset = in.get<std::uint64_t>();
     chunk.contained.pair = in.get<Pair>();
     chunk.time_ns = in.get<std::int64_t>();
+    if (has_gaps) {
+      chunk.gaps.emplace();
+      chunk.gaps->pairs.offset = in.get<std::uint64_t>();
+      chunk.gaps->pairs.pair = in.get<Pair>();
+      chunk.gaps->lower = in.get<double>();
+      chunk.gaps->upper = in.get<double>();
+    }
     return chunk;
   }
 };
 
-TruthChunk decide_chunk(geometry::Decision& decision, const geometry::Bodies& bodies,
-                        std::span<const std::vector<geometry::Pose>> poses, bool wants_contained, Progress& progress) {
+void append(const std::vector<geometry::Gap>& step, GapLists& out) {
+  std::vector<Pair> pairs;
+  for (const geometry::Gap& gap : step) {
+    pairs.push_back(gap.pair);
+    out.lower.push_back(gap.metres.lower);
+    out.upper.push_back(gap.metres.upper);
+  }
+  out.pairs.append(pairs);
+}
+
+/// `search` is null where no gaps are asked for.
+TruthChunk decide_chunk(geometry::Decision& decision, geometry::GapSearch* search, double gap_margin,
+                        const geometry::Bodies& bodies, std::span<const std::vector<geometry::Pose>> poses,
+                        bool wants_contained, Progress& progress) {
   using Clock = std::chrono::steady_clock;
   TruthChunk chunk;
+  if (search) chunk.gaps.emplace();
   std::vector<Pair> contained;
   for (const auto& step : poses) {
     stop_if_wanted();
     const auto start = Clock::now();
-    chunk.hits.append(decision.hits(step, geometry::pair_runs(bodies, step), wants_contained ? &contained : nullptr));
+    const std::vector<geometry::PairRun> runs = geometry::pair_runs(bodies, step);
+    chunk.hits.append(decision.hits(step, runs, wants_contained ? &contained : nullptr));
     if (wants_contained) chunk.contained.append(contained);
     chunk.time_ns.push_back(std::chrono::nanoseconds(Clock::now() - start).count());
+    if (search) append(search->near(step, runs, gap_margin, chunk.hits.at(chunk.hits.steps() - 1)), *chunk.gaps);
     progress.add(1);
   }
   return chunk;
@@ -83,15 +113,16 @@ std::string open_mesh_text(const std::string& name) {
 }
 
 Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses, int threads,
-             const Part& part, Progress& progress, Containment containment) {
+             const Part& part, Progress& progress, Containment containment, std::optional<double> gap_margin) {
   Truth truth;
   truth.containment = containment;
+  if (gap_margin) truth.gaps.emplace().margin = *gap_margin;
   const std::size_t chunks = (poses.size() + kChunkSteps - 1) / kChunkSteps;
   std::vector<TruthChunk> done(chunks);
   std::vector<std::size_t> open;
   for (std::size_t c = 0; c < chunks; ++c) {
     if (const auto kept = part.load(chunk_name("truth", std::int64_t(c) * kChunkSteps))) {
-      done[c] = TruthChunk::from(*kept);
+      done[c] = TruthChunk::from(*kept, gap_margin.has_value());
       progress.add(done[c].time_ns.size(), false);
     } else {
       open.push_back(c);
@@ -112,11 +143,13 @@ Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geome
     const auto work = [&](std::size_t worker) {
       try {
         geometry::Decision decision(bodies, bvhs, solids);
+        std::optional<geometry::GapSearch> search;
+        if (gap_margin) search.emplace(bodies, bvhs);
         for (std::size_t i = next++; i < open.size(); i = next++) {
           const std::size_t first = open[i] * kChunkSteps;
           const std::size_t count = std::min<std::size_t>(kChunkSteps, poses.size() - first);
-          TruthChunk chunk =
-              decide_chunk(decision, bodies, std::span(poses).subspan(first, count), truth.lists_contained(), progress);
+          TruthChunk chunk = decide_chunk(decision, search ? &*search : nullptr, gap_margin.value_or(0), bodies,
+                                          std::span(poses).subspan(first, count), truth.lists_contained(), progress);
           part.save(chunk_name("truth", std::int64_t(first)), chunk.bytes());
           done[open[i]] = std::move(chunk);
         }
@@ -137,6 +170,11 @@ Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geome
     for (std::size_t s = 0; s < chunk.hits.steps(); ++s) truth.hits.append(chunk.hits.at(s));
     for (std::size_t s = 0; s < chunk.contained.steps(); ++s) truth.contained.append(chunk.contained.at(s));
     truth.time_ns.insert(truth.time_ns.end(), chunk.time_ns.begin(), chunk.time_ns.end());
+    if (!truth.gaps) continue;
+    GapLists& gaps = *truth.gaps;
+    for (std::size_t s = 0; s < chunk.gaps->pairs.steps(); ++s) gaps.pairs.append(chunk.gaps->pairs.at(s));
+    gaps.lower.insert(gaps.lower.end(), chunk.gaps->lower.begin(), chunk.gaps->lower.end());
+    gaps.upper.insert(gaps.upper.end(), chunk.gaps->upper.begin(), chunk.gaps->upper.end());
   }
   return truth;
 }

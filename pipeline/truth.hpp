@@ -1,5 +1,5 @@
 // The truth stage: which bodies meet, exactly, at every step (geometry/meet.hpp says what that means), and which lie
-// wholly inside others (geometry/contain.hpp).
+// wholly inside others (geometry/contain.hpp); where asked, how far apart near pairs are (geometry/gap.hpp).
 #pragma once
 #include <optional>
 #include <string>
@@ -14,9 +14,11 @@ namespace pipeline {
 
 /// Decides every step of the motion on `threads` threads, each taking ranges of steps; the answers do not depend on how
 /// many. Chunks that `part` holds are taken from it. `poses` is S x B. Throws Error(kInput), naming the mesh, when
-/// containment counts and a mesh is open.
+/// containment counts and a mesh is open. With `gap_margin` (m) the gaps of pairs within it are found too; their time
+/// is no part of time_ns.
 Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses, int threads,
-             const Part& part, Progress& progress, Containment containment = Containment::ignore);
+             const Part& part, Progress& progress, Containment containment = Containment::ignore,
+             std::optional<double> gap_margin = {});
 
 /// What is wrong with an open mesh when containment counts.
 std::string open_mesh_text(const std::string& mesh);

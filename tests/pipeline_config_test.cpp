@@ -128,6 +128,7 @@ void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(p.energy_bound, q.energy_bound);
   EXPECT_EQ(a.contact_radius, b.contact_radius);
   EXPECT_EQ(a.containment, b.containment);
+  EXPECT_EQ(a.gap_margin, b.gap_margin);
   EXPECT_EQ(a.repeats, b.repeats);
   ASSERT_EQ(a.algorithms.size(), b.algorithms.size());
   for (std::size_t i = 0; i < a.algorithms.size(); ++i) {
@@ -165,7 +166,8 @@ TEST(Config, WithoutSetsIsTheSceneOfTheThesis) {
   const Config c = parse_config(kScene, "f.toml");
   ASSERT_EQ(falling_of(c).sets.size(), 3u);
   std::int64_t spheres = 0;
-  for (const FallingSet& s : falling_of(c).sets) spheres += s.lying[0] * s.lying[1] + s.above[0] * s.above[1] * s.above[2];
+  for (const FallingSet& s : falling_of(c).sets)
+    spheres += s.lying[0] * s.lying[1] + s.above[0] * s.above[1] * s.above[2];
   EXPECT_EQ(spheres, 1 + 1 + 10 + 10 + 36 + 216);
   EXPECT_EQ(falling_of(c).sets[0].corner, (std::array<double, 2>{-14, -20}));
   EXPECT_EQ(falling_of(c).sets[1].spacing, 2.5);
@@ -525,6 +527,16 @@ TEST(Configs, KostkaIsTheDefaultsWithTheNineAndCannonsTwo) {
   const BoxScene& box = std::get<BoxScene>(kostka.scene);
   EXPECT_EQ(box.births.count, 80);
   EXPECT_EQ(box.push.directions, (std::vector<std::string>{"+x", "-x", "+z", "-z"}));
+}
+
+TEST(Config, GapsAreOffAndHaveAMargin) {
+  const auto with = [](const std::string& keys) { return parse_config(kScene + "[truth]\n" + keys, "f.toml"); };
+  EXPECT_FALSE(with("").gap_margin);
+  EXPECT_FALSE(with("gap = false\n").gap_margin);
+  EXPECT_EQ(with("gap = true\n").gap_margin, 0.1);
+  EXPECT_EQ(with("gap = true\ngap_margin = 0\n").gap_margin, 0);
+  expect_idempotent(with("gap = true\ngap_margin = 2.5\n"));
+  expect_idempotent(with(""));
 }
 
 }  // namespace

@@ -79,6 +79,52 @@ TEST(Truth, DoesNotDependOnThreadsAndIsResumed) {
   EXPECT_EQ(decide(row.bodies, row.poses, 1, one, quiet).time_ns, alone.time_ns);
 }
 
+TEST(Truth, FindsGapsOnlyWhereAsked) {
+  const Row row(13);
+  EXPECT_FALSE(row.truth().gaps);
+  const TemporaryFolder folder;
+  Part part(folder / "p", {}, "", 13, false);
+  Progress quiet("truth", 13, true);
+  const Truth truth = decide(row.bodies, row.poses, 1, part, quiet, Containment::ignore, 0.6);
+  ASSERT_TRUE(truth.gaps);
+  EXPECT_EQ(truth.gaps->margin, 0.6);
+  // The middle sphere starts 0.5 m inside the left one, and its pole on the x axis moves 0.25 m a step: poles of the
+  // others are at -2 and 2.
+  for (std::size_t s = 0; s < 13; ++s) {
+    const double left = -0.5 + 0.25 * double(s), right = 2.5 - 0.25 * double(s);
+    std::vector<Pair> near;
+    if (left > 0 && left <= 0.6) near.push_back({0, 1});
+    if (right > 0 && right <= 0.6) near.push_back({1, 2});
+    const auto found = truth.gaps->pairs.at(s);
+    EXPECT_EQ(std::vector<Pair>(found.begin(), found.end()), near) << s;
+    for (std::uint64_t i = truth.gaps->pairs.offset[s]; i < truth.gaps->pairs.offset[s + 1]; ++i) {
+      const double distance = truth.gaps->pairs.pair[i].a == 0 ? left : right;
+      EXPECT_LE(truth.gaps->lower[i], distance);
+      EXPECT_GE(truth.gaps->upper[i], distance);
+      EXPECT_NEAR(truth.gaps->lower[i], truth.gaps->upper[i], 1e-11);
+    }
+  }
+}
+
+TEST(Truth, GapsDoNotDependOnThreadsAndAreResumed) {
+  const Row row(120);
+  const TemporaryFolder folder;
+  Progress quiet("truth", 0, true);
+  Part one(folder / "one", {}, "", 120, false), many(folder / "many", {}, "", 120, false);
+  const auto asked = [&](int threads, const Part& part) {
+    return *decide(row.bodies, row.poses, threads, part, quiet, Containment::ignore, 1).gaps;
+  };
+  const GapLists alone = asked(1, one);
+  ASSERT_GT(alone.lower.size(), 40u);
+  const GapLists resumed = asked(1, one);
+  for (const GapLists& other : {asked(3, many), resumed}) {
+    EXPECT_EQ(alone.pairs.offset, other.pairs.offset);
+    EXPECT_EQ(alone.pairs.pair, other.pairs.pair);
+    EXPECT_EQ(alone.lower, other.lower);
+    EXPECT_EQ(alone.upper, other.upper);
+  }
+}
+
 TEST(Detect, ScoresEveryStepAgainstTheTruth) {
   const Row row(13);
   const Truth truth = row.truth();

@@ -136,6 +136,13 @@ void expect_same(const Result& a, const Result& b) {
   expect_same(a.truth.hits, b.truth.hits);
   EXPECT_EQ(a.truth.containment, b.truth.containment);
   expect_same(a.truth.contained, b.truth.contained);
+  ASSERT_EQ(a.truth.gaps.has_value(), b.truth.gaps.has_value());
+  if (a.truth.gaps) {
+    EXPECT_EQ(a.truth.gaps->margin, b.truth.gaps->margin);
+    expect_same(a.truth.gaps->pairs, b.truth.gaps->pairs);
+    EXPECT_EQ(a.truth.gaps->lower, b.truth.gaps->lower);
+    EXPECT_EQ(a.truth.gaps->upper, b.truth.gaps->upper);
+  }
   EXPECT_EQ(a.truth.time_ns, b.truth.time_ns);
 
   ASSERT_EQ(a.answers.size(), b.answers.size());
@@ -219,6 +226,25 @@ TEST_F(Store, KeepsContainedPairsAndTheHitsOnThem) {
     result.truth.contained.pair[1].b = 3;
     EXPECT_NE(digests(result).at("/truth"), before);
   }
+}
+
+TEST_F(Store, KeepsGaps) {
+  Result result = synthetic_result(3, 5, 2, 1);
+  const std::string without = digests(result).at("/truth");
+  GapLists& gaps = result.truth.gaps.emplace();
+  gaps.margin = 0.25;
+  gaps.pairs.append(std::vector<Pair>{{0, 1}, {2, 4}});
+  gaps.pairs.append(std::vector<Pair>{});
+  gaps.pairs.append(std::vector<Pair>{{1, 3}});
+  gaps.lower = {0, 0.125, 0.25};
+  gaps.upper = {1e-300, 0.1251, 0.3};
+  round_trip(result, file("a.h5"), file("b.h5"));
+  const std::string before = digests(result).at("/truth");
+  EXPECT_NE(before, without);
+  result.truth.gaps->upper[2] = 0.31;
+  EXPECT_NE(digests(result).at("/truth"), before);
+  *result.truth.gaps = GapLists{.margin = 1, .pairs = {{0, 0, 0, 0}, {}}, .lower = {}, .upper = {}};
+  round_trip(result, file("c.h5"), file("d.h5"));
 }
 
 TEST_F(Store, KeepsListsWithoutPairs) {

@@ -32,6 +32,10 @@ DIMENSIONS = {
     "/truth/pair": ["entry", "side"],
     "/truth/contained_offset": ["boundary"],
     "/truth/contained_pair": ["contained_entry", "side"],
+    "/truth/gap_offset": ["boundary"],
+    "/truth/gap_pair": ["gap_entry", "side"],
+    "/truth/gap_lower": ["gap_entry"],
+    "/truth/gap_upper": ["gap_entry"],
     "/results/<>": ["step", "algorithm"],
     "/answers/<>/pair_offset": ["boundary"],
     "/answers/<>/pair": ["entry", "side"],
@@ -110,7 +114,7 @@ def test_holds_the_documented_datasets_and_no_other(file):
         assert names is not None, f"{path} is not documented"
         assert dataset.ndim == len(names), path
     for path in DIMENSIONS:
-        if "<>" not in path and path != "/bodies/chosen" and "contained" not in path:
+        if "<>" not in path and path != "/bodies/chosen" and "contained" not in path and "gap" not in path:
             assert path in found, path
     assert set(file["results"]) == RESULT_COLUMNS | counted_apart(file) | {"step", "algorithm"}
     assert set(file["summary"]) == SUMMARY_COLUMNS | counted_apart(file) | {"algorithm"}
@@ -192,7 +196,7 @@ def test_chunks_are_whole_and_within_fixed_dimensions(file):
             assert chunk <= max(size, 1) and (most is None or chunk <= most), path
         names = [path.split("/")[-1]] if is_scale(dataset) else documented(path)
         for name, most in zip(names, dataset.maxshape):
-            assert (most is None) == (name in ("step", "boundary", "entry", "contained_entry")), f"{path}: {name}"
+            assert (most is None) == (name in ("step", "boundary", "entry", "contained_entry", "gap_entry")), f"{path}: {name}"
         if dataset.chunks and not is_scale(dataset):
             assert dataset.shuffle and dataset.compression == "gzip", path
 
