@@ -4,7 +4,7 @@ import json
 
 import pandas as pd
 
-from analysis import pareto, plots_error
+from analysis import pareto, plots_error, thesis_figures
 from analysis.figure import Section, Table, Text
 from analysis.page import page
 from analysis.plots_error import number
@@ -38,6 +38,7 @@ def sections(runs, found):
         error_against_cost(runs, found),
         summary(runs, found),
         definitions(),
+        *thesis_figures.sections(runs),
         provenance(runs),
     ]
 
