@@ -4,6 +4,7 @@ drawn."""
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 from matplotlib.ticker import EngFormatter, LogLocator
 
 from analysis import pareto
@@ -166,6 +167,16 @@ def binned(values, reduce, bins=BINS):
 def stretch(values):
     """How many steps are in one point of a line, at most."""
     return -(-len(values) // BINS)
+
+
+def stretches(columns, reduce, count=10):
+    """What a line over steps shows, in few numbers: a row per name of `columns` (name -> (n) values), `reduce` over each
+    of `count` equal stretches of steps."""
+    length = len(next(iter(columns.values())))
+    edges = np.linspace(0, length, min(count, length) + 1).astype(int)
+    heads = [f"steps {a} to {b - 1}" if b - a > 1 else f"step {a}" for a, b in zip(edges, edges[1:])]
+    rows = {name: [reduce(values[a:b]) for a, b in zip(edges, edges[1:])] for name, values in columns.items()}
+    return pd.DataFrame.from_dict(rows, orient="index", columns=heads)
 
 
 def correlation(x, y):

@@ -22,6 +22,7 @@ from analysis.drawing import (
     simulated,
     steps_of,
     stretch,
+    stretches,
     time_text,
 )
 from analysis.figure import PALETTE, Figure, figure, style, svg_of
@@ -102,7 +103,8 @@ def parts_of_a_step(run, kind, key):
         for name, (values, _) in lines.items()
     }
     table = pd.DataFrame.from_dict(rows, orient="index", columns=["mean ns", "median ns", "spread / median"])
-    table.index.name = "part of a step"
+    parts_of_steps = stretches({name: values for name, (values, _) in lines.items()}, np.median)
+    table = table.join(parts_of_steps.add_prefix("median ns, ")).rename_axis("part of a step")
     collision, whole = table.loc[label], table.loc["physics"]
     calmer = collision["spread / median"] < whole["spread / median"]
     title = (
@@ -210,7 +212,7 @@ def per_collision(run, kind, key):
     }
     shown["physics"] = (physics.time_ns.to_numpy(dtype=float), contacts, PHYSICS)
     fig, axes = figure(height=3.8)
-    ends, rows = [], {}
+    ends, rows, costs = [], {}, {}
     number = np.arange(len(contacts))
     for name, (time, hits, look) in shown.items():
         there = (hits > 0) & (number > 0)
@@ -222,6 +224,7 @@ def per_collision(run, kind, key):
         axes.plot(where, value, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)
         ends.append((value[-1], name, look["color"]))
         early = at < START * len(number)
+        costs[name] = np.where(there, time / np.where(there, hits, 1), np.nan)
         rows[name] = (there.sum(), np.median(each), swing(each[early]), swing(each[~early]))
     if not rows:
         raise NotDrawn("there is no step with a collision")
@@ -231,7 +234,8 @@ def per_collision(run, kind, key):
     axes.margins(x=0.01)
     label_ends(axes, ends)
     names = ["steps with collisions", "median ns per collision", "p95 / p5, first fifth", "p95 / p5, after"]
-    table = pd.DataFrame.from_dict(rows, orient="index", columns=names).rename_axis("part of a step")
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=names)
+    table = table.join(stretches(costs, median_of_some).add_prefix("median ns, ")).rename_axis("part of a step")
     name = table.index[0]
     row = table.loc[name]
     early, after = row.iloc[2], row.iloc[3]
@@ -253,6 +257,11 @@ def per_collision(run, kind, key):
         f"n = {len(number) - 1} steps, those without a collision left out, each point a median.{timing_note(run)}"
     )
     return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 3)), table, key)
+
+
+def median_of_some(values):
+    """The median of those that are not NaN; NaN for none."""
+    return np.median(values[~np.isnan(values)]) if not np.isnan(values).all() else np.nan
 
 
 def swing(values):

@@ -6,6 +6,7 @@ import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
 from analysis import thresholds as t
+from analysis.drawing import key as key_of
 from analysis.drawing import (
     NotDrawn,
     algorithm,
@@ -24,12 +25,39 @@ from analysis.drawing import (
     short,
     steps_of,
     stretch,
+    stretches,
     time_text,
 )
 from analysis.figure import PALETTE, Figure, figure, style, svg_of
 
 THESIS = {"box": "figures 5.5 to 5.13", "falling": "figures 5.17 to 5.25"}
 TRUTH = "#DADADA"
+
+# What the thesis read off its own curves, figures 5.5 to 5.13 (box) and 5.17 to 5.25 (falling).
+SEEN = {
+    "box": {
+        "G": "low and steady, hardly follows hits or bodies",
+        "H": "low and steady, follows least; many hits",
+        "J": "somewhat slower; hits unlike bodies",
+        "K": "slowest by far, grows little with bodies",
+        "L": "grows markedly with many bodies; hits like G's",
+        "P": "slower, odd high peaks; hits like those of G and L",
+        "O": "time and hits waver, hits more with more bodies",
+        "I": "very slow, large swings",
+        "U": "nearly as I, slightly slower",
+    },
+    "falling": {
+        "G": "very low, very steady",
+        "H": "very low, very steady; many more hits",
+        "J": "very low, some swings; fewer hits",
+        "K": "slowest by far, chaotic, unlike its hits",
+        "L": "low and steady, hardly follows hits",
+        "P": "steady but very slow; few hits",
+        "O": "low and steady",
+        "I": "slow, no relation to hits; fewest hits",
+        "U": "slightly faster than I; hits nearly the same",
+    },
+}
 
 
 def time_per_step(run, kind, key):
@@ -71,7 +99,8 @@ def time_per_step(run, kind, key):
 
 
 def spread(steps):
-    """Per algorithm, ns: mean, median, least and greatest time; and the ratio of percentiles while all are there."""
+    """Per algorithm, ns: mean, median, least and greatest time; the ratio of percentiles while all are there; and the
+    median over each tenth of the steps."""
     times = pd.DataFrame(steps.time_ns, columns=pd.Index(steps.labels, name="algorithm"))
     low, high = np.percentile(steps.time_ns[steps.full], (5, 95), axis=0)
     table = {
@@ -81,7 +110,8 @@ def spread(steps):
         "greatest ns": times.max(),
         "p95 / p5": high / np.where(low > 0, low, np.nan),
     }
-    return pd.DataFrame(table).fillna({"p95 / p5": np.inf})
+    parts = stretches(dict(times.items()), np.median).add_prefix("median ns, ")
+    return pd.DataFrame(table).fillna({"p95 / p5": np.inf}).join(parts)
 
 
 def hits_per_step(run, kind, key):
@@ -108,6 +138,8 @@ def hits_per_step(run, kind, key):
     total, meet = pd.Series(steps.hits.sum(axis=0), steps.labels), steps.truth.sum()
     table = pd.DataFrame({"hits": total, "per step": total / len(steps.hits), "hits / pairs that meet": total / meet})
     table.loc["(truly meet)"] = [meet, meet / len(steps.hits), 1.0 if meet else np.nan]
+    each = {label: steps.hits[:, column] for column, label in enumerate(steps.labels)} | {"(truly meet)": steps.truth}
+    table = table.join(stretches(each, np.mean).add_prefix("mean, "))
     total = total[drawn]
     if not total.sum():
         title = f"No algorithm reports anything; {meet:.0f} pairs meet"
@@ -205,6 +237,8 @@ def curves_together(run, kind, key):
         f"100 stretches at most, cut at 3; r is Pearson's correlation of time and hits over {when}.{left_out(run)}"
     )
     title = follows_title([short(run, label) for label in drawn], [r[label] for label in drawn])
+    if seen := SEEN.get(kind):
+        table["the thesis saw"] = [seen.get(key_of(run, label), "") for label in table.index]
     return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
 
