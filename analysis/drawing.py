@@ -219,7 +219,7 @@ def digits(value):
 
 def label_ends(axes, ends, gap=12):
     """Names lines at their right end, `gap` points apart at least. ends: [(y, text, colour)], y in data."""
-    axes.figure.canvas.draw()  # the layout decides how far apart they are
+    axes.figure.draw_without_rendering()  # the layout decides how far apart they are
     points = axes.figure.dpi / 72
     place = [axes.transData.transform((0, y))[1] / points if y > 0 else -np.inf for y, _, _ in ends]
     low, high = (axes.transAxes.transform((0, y))[1] / points for y in (0, 1))
