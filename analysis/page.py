@@ -136,9 +136,10 @@ def _section(key, section):
 
 def _part(part):
     if isinstance(part, Figure):
+        title = html.escape(part.title.removesuffix("."))
         return (
-            f'<figure id="{html.escape(part.key)}"><h3>{html.escape(part.title)}</h3>\n'
-            f'<div class="picture" role="img" aria-label="{html.escape(part.title)}">{part.svg}</div>\n'
+            f'<figure id="{html.escape(part.key)}"><h3>{title}</h3>\n'
+            f'<div class="picture" role="img" aria-label="{title}">{part.svg}</div>\n'
             f"<figcaption>{html.escape(part.caption)}</figcaption>\n"
             f"<details><summary>The numbers ({len(part.table)} rows)</summary>{table(part.table, part.title)}</details></figure>"
         )

@@ -33,13 +33,14 @@ def report(runs):
 
 
 def sections(runs, found):
-    """All sections in their order: a further one is a line here."""
+    """All sections in their order, the picture that the project is for first; a further one is a line here."""
     return [
         error_against_cost(runs, found),
         summary(runs, found),
         definitions(),
         *thesis_figures.sections(runs),
         provenance(runs),
+        *thesis_figures.sections(runs),
     ]
 
 

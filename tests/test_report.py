@@ -15,7 +15,7 @@ import pytest
 from browser import browsing, open_page
 from conftest import ROOT, SCENES
 
-from analysis import labels, pareto, plots_error
+from analysis import labels, pareto, plots_error, thesis_figures
 from analysis.__main__ import main
 from analysis.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
 from analysis.load import load
@@ -34,6 +34,12 @@ def made(result_file, tmp_path_factory):
 @pytest.fixture
 def copy(result_file, tmp_path):
     return shutil.copy(result_file, tmp_path / "copy.h5")
+
+
+@pytest.fixture
+def brief(monkeypatch):
+    """Reports without the thesis's sections, for what does not concern them."""
+    monkeypatch.setattr(thesis_figures, "sections", lambda runs: [])
 
 
 def smoke(pipeline, path, *settings):
@@ -251,7 +257,7 @@ def test_files_of_one_motion_share_figures_and_equal_answers_count_once(result_f
     assert len(found) == 1 and list(found[0].points.label) == load(result_file).meta["algorithms"]
 
 
-def test_another_machines_times_are_drawn_apart_and_it_is_said(result_file, copy, tmp_path):
+def test_another_machines_times_are_drawn_apart_and_it_is_said(result_file, copy, tmp_path, brief):
     with h5py.File(copy, "r+") as file:
         file["answers/obb_sat"].attrs["processor"] = "Other processor"
     path = tmp_path / "r.html"
@@ -267,7 +273,7 @@ def test_another_machines_times_are_drawn_apart_and_it_is_said(result_file, copy
     assert "obb_sat (copy)" in path.read_text(encoding="utf-8")
 
 
-def test_other_scenes_have_figures_of_their_own(small_file, tmp_path):
+def test_other_scenes_have_figures_of_their_own(small_file, tmp_path, brief):
     files = [str(small_file(config)) for config in SCENES if config.stem in ("hriste", "kostka")]
     assert main(["report", *files, "-o", str(tmp_path / "r.html")]) == 0
     text = (tmp_path / "r.html").read_text(encoding="utf-8")
@@ -323,7 +329,7 @@ def test_a_group_that_is_missing_is_no_obstacle(copy, tmp_path, group):
     assert said.get(group, "") in (tmp_path / "odd.html").read_text(encoding="utf-8")
 
 
-def test_a_debug_build_and_a_broken_promise_are_said(copy, tmp_path):
+def test_a_debug_build_and_a_broken_promise_are_said(copy, tmp_path, brief):
     with h5py.File(copy, "r+") as file:
         file.attrs["build_type"] = "Debug"
         file.attrs["git_commit"] = "0123456789-dirty"
@@ -337,7 +343,7 @@ def test_a_debug_build_and_a_broken_promise_are_said(copy, tmp_path):
 # ---- the output
 
 
-def test_only_pages_are_overwritten(made, result_file, tmp_path, capsys):
+def test_only_pages_are_overwritten(made, result_file, tmp_path, capsys, brief):
     precious = tmp_path / "precious.txt"
     precious.write_text("mine")
     for output in (precious, tmp_path, tmp_path / "no" / "folder.html"):
