@@ -38,7 +38,6 @@ def sections(runs, found):
         error_against_cost(runs, found),
         summary(runs, found),
         definitions(),
-        *thesis_figures.sections(runs),
         provenance(runs),
         *thesis_figures.sections(runs),
     ]
