@@ -96,7 +96,7 @@ def test_the_summary_is_that_of_the_file(made, result_file):
     assert [row[0] for row in rows] == list(summary.index)
     for head, column, scale in (("error", "error", 1), ("false positives", "false_positive", 1), ("mean time (µs)", "time_mean_ns", 1e3),
                                 ("false negatives", "false_negative", 1), ("Matthews", "matthews", 1)):  # fmt: skip
-        shown_there = [float(row[heads.index(head)].replace("\u2009", "").replace("–", "nan")) for row in rows]
+        shown_there = [float(row[heads.index(head)].replace("\u202f", "").replace("–", "nan")) for row in rows]
         np.testing.assert_allclose(shown_there, summary[column].astype(float) / scale, rtol=6e-3, atol=6e-5)
 
 
@@ -129,7 +129,7 @@ def test_texts_of_a_file_are_shown_and_not_run(copy, tmp_path):
 
 def test_numbers_are_shown_with_four_digits():
     assert [shown(value) for value in (True, 7, 12345, 0.123456, float("nan"), float("inf"), None, 123456.7, "a<b")] == [
-        "yes", "7", "12\u2009345", "0.1235", "–", "∞", "–", "123\u2009457", "a&lt;b",
+        "yes", "7", "12\u202f345", "0.1235", "–", "∞", "–", "123\u202f457", "a&lt;b",
     ]  # fmt: skip
 
 
