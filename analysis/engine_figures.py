@@ -26,7 +26,7 @@ from analysis.drawing import (
     time_text,
 )
 from analysis.figure import PALETTE, Figure, figure, style, svg_of
-from analysis.step_figures import exponents
+from analysis.step_figures import exponents, named
 
 CANNON = ("cannon_naive", "cannon_sap")
 THESIS = {"box": ("5.1", "5.2", "5.3", "5.4"), "falling": ("5.14", "5.15", "", "5.16")}
@@ -180,7 +180,7 @@ def against_bodies(run, kind, key):
     for name in median:
         look = PHYSICS if name == "physics" else style(algorithm(run, name))
         axes.plot(median.index, median[name] / 1e9, **look, markevery=max(1, len(median) // 6), markersize=5)
-        ends.append((median[name].iloc[-1] / 1e9, f"{name}  {power[name]:.2f}", look["color"]))
+        ends.append((median[name].iloc[-1] / 1e9, named(name, power[name]), look["color"]))
     log_seconds(axes)
     axes.set_xlabel("bodies, fixed ones included")
     axes.set_ylabel("median time of a step")

@@ -303,7 +303,7 @@ def time_against_bodies(run, kind, key):
     for label in drawn:
         look = style(algorithm(run, label))
         axes.plot(median.index, median[label] / 1e9, **look, markevery=max(1, len(median) // 6), markersize=5)
-        ends.append((median[label].iloc[-1] / 1e9, f"{full(run, label)}  {power[label]:.2f}", look["color"]))
+        ends.append((median[label].iloc[-1] / 1e9, named(full(run, label), power[label]), look["color"]))
     axes.set_xscale("log")
     low, high = median.index[[0, -1]]
     between = {tick for tick in (2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000) if low * 1.3 < tick < high / 1.3}
@@ -332,6 +332,11 @@ def time_against_bodies(run, kind, key):
         f"to {t.SQUARE[1]} counts as the square.{left_out(run)}"
     )
     return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
+
+
+def named(name, power):
+    """A line's name with its exponent, where it has one."""
+    return name if np.isnan(power) else f"{name}  {power:.2f}"
 
 
 def exponents(median):
