@@ -97,6 +97,8 @@ def warnings(runs, found):
         }
         if any("debug" in build.lower() for build in builds):
             lines.append(f"{name}: a debug build timed this; its times mean nothing.")
+        if any("governor" in answers.get("processor", "") for answers in meta["answers"].values()):
+            lines.append(f"{name}: the processor changed its frequency while it was timed; times are less certain.")
         if "dirty" in meta.get("git_commit", ""):
             lines.append(f"{name}: made by a program whose sources differ from commit {meta['git_commit'][:7]}.")
         if "openblas" in meta.get("library_versions", "").lower():
