@@ -389,7 +389,8 @@ def test_what_makes_times_or_answers_doubtful_is_said(copy, tmp_path, brief):
         file["summary/promise_kept"][...] = kept
         label = file["algorithm"].asstr()[0]
         file[f"answers/{label}"].attrs["processor"] = "Xeon, frequency governor powersave"
-    odd(copy, tmp_path, "a debug build timed this", "the processor changed its frequency", f"broke their promise: {label}", "differ from commit 0123456")
+    odd(copy, tmp_path, "a debug build timed this", "the processor changed its frequency",
+        f"broke their promise: {label}", "differ from commit 0123456")  # fmt: skip
 
 
 # ---- the output
