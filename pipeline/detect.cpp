@@ -21,12 +21,13 @@ constexpr double kRoundingEnlargement = 0x1p-40;
 struct Entry {
   const algorithms::Algorithm* row;
   std::unique_ptr<Method> method;
+  std::optional<std::int64_t> repeats;
 };
 
 Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
   const algorithms::Algorithm* row = algorithms::find(choice.name);
   try {
-    return {row, row->make(bodies, choice.knobs)};
+    return {row, row->make(bodies, choice.knobs), choice.repeats};
   } catch (const std::invalid_argument& error) {
     throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
   }
@@ -81,6 +82,7 @@ Timing timed_pass(Method& method, std::span<const Pose> poses, std::span<const P
 void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const PairRun> runs, const Truth& all_truth,
                  std::size_t step, std::int64_t repeats, std::vector<Pair>& timed_hits, Answers& out) {
   Method& method = *entry.method;
+  repeats = entry.repeats.value_or(repeats);
   std::vector<Pair> hits;
   method.prepare(poses);
   out.operations.push_back(method.count(runs, hits));
@@ -92,6 +94,7 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
     if (timed_hits != hits)
       throw std::logic_error(out.label + ": the timed pass answers otherwise than the counting pass");
   }
+  method.remember();  // before the enlarged boxes, of which nothing is to be learned
   std::sort(timings.begin(), timings.end(), [](const Timing& a, const Timing& b) { return a.total_ns < b.total_ns; });
   out.time_ns.push_back(timings.front().total_ns);
   out.prepare_ns.push_back(timings.front().prepare_ns);
@@ -165,6 +168,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
 
     if (entries.empty())
       for (const AlgorithmChoice& choice : choices) entries.push_back(set_up(bodies, choice));
+    for (Entry& entry : entries) entry.method->forget();  // a resumed run starts here
     for (std::int64_t step = first; step < last; ++step) {
       stop_if_wanted();
       const std::vector<PairRun> runs = geometry::pair_runs(bodies, poses[step]);
