@@ -114,12 +114,11 @@ AlgorithmChoice algorithm_choice(const Section& s) {
   const algorithms::Algorithm* row = algorithms::find(name);
   if (!row) s.refuse("name", "be the name of an algorithm", hint(name, names));
 
-  std::vector<std::string> known{"name", "label", "repeats"};
+  std::vector<std::string> known{"name", "label"};
   for (const algorithms::Knob& knob : row->knobs) known.push_back(knob.name);
   s.only(known);
   AlgorithmChoice choice{.name = name, .label = s.text("label", name), .knobs = algorithms::presets(*row)};
   if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
-  if (s.has("repeats")) choice.repeats = s.integer("repeats", 1, 1, kMostRepeats);
   for (const algorithms::Knob& knob : row->knobs)
     if (s.has(knob.name)) choice.knobs[knob.name] = knob_value(s, knob);
   return choice;
@@ -186,7 +185,6 @@ std::string effective(const Config& c) {
     out.table("[[algorithm]]");
     out.line("name", a.name);
     out.line("label", a.label);
-    if (a.repeats) out.line("repeats", *a.repeats);
     for (const auto& [knob, value] : a.knobs) out.line(knob, value);
   }
   return out.text;

@@ -112,7 +112,6 @@ struct AlgorithmChoice {
   std::string name;
   std::string label;        // defaults to the name
   algorithms::Knobs knobs;  // all of them, presets filled in
-  std::optional<std::int64_t> repeats = std::nullopt;  // of this one alone; else those of [timing]
 };
 
 struct SceneKind;  // pipeline/scene.hpp

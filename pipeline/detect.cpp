@@ -21,13 +21,12 @@ constexpr double kRoundingEnlargement = 0x1p-40;
 struct Entry {
   const algorithms::Algorithm* row;
   std::unique_ptr<Method> method;
-  std::optional<std::int64_t> repeats;
 };
 
 Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
   const algorithms::Algorithm* row = algorithms::find(choice.name);
   try {
-    return {row, row->make(bodies, choice.knobs), choice.repeats};
+    return {row, row->make(bodies, choice.knobs)};
   } catch (const std::invalid_argument& error) {
     throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
   }
@@ -82,7 +81,6 @@ Timing timed_pass(Method& method, std::span<const Pose> poses, std::span<const P
 void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const PairRun> runs, const Truth& all_truth,
                  std::size_t step, std::int64_t repeats, std::vector<Pair>& timed_hits, Answers& out) {
   Method& method = *entry.method;
-  repeats = entry.repeats.value_or(repeats);
   std::vector<Pair> hits;
   method.prepare(poses);
   out.operations.push_back(method.count(runs, hits));

@@ -1,0 +1,86 @@
+#include "algorithms/deciding.hpp"
+
+#include "geometry/contain.hpp"
+#include "geometry/meet.hpp"
+
+namespace algorithms {
+namespace {
+
+constexpr char kContainment[] = "containment";
+
+std::vector<geometry::Solid> solids_of(const Bodies& bodies) {
+  std::vector<geometry::Solid> solids;
+  for (const geometry::Mesh& mesh : bodies.meshes) {
+    solids.push_back(geometry::solid_of(mesh));
+    if (!solids.back().closed)
+      throw std::invalid_argument("mesh '" + mesh.name +
+                                  "' is open, so nothing can be inside it; close it, or set containment = false");
+  }
+  return solids;
+}
+
+// SEAM
+struct Seam {
+  Seam(const Bodies& b, std::span<const geometry::Bvh> h, std::span<const geometry::Solid> s) : d(b, h, s) {}
+  geometry::Decision d;
+  std::vector<Pose> p;
+  std::uint64_t n = 0;
+  void prepare(std::span<const Pose> poses) { p.assign(poses.begin(), poses.end()); }
+  void hits(std::span<const PairRun> runs, std::vector<Pair>& out, std::vector<Pair>* contained) {
+    for (const Pair& x : d.hits(p, runs, contained)) out.push_back(x);
+    n = geometry::pair_count(runs);
+  }
+  void remember() {}
+  void forget() {}
+  std::uint64_t operations() { return n; }
+};
+
+class Deciding final : public Method {
+ public:
+  Deciding(const Bodies& bodies, bool containment, bool remembers)
+      : bvhs_(geometry::build_bvhs(bodies)),
+        solids_(containment ? solids_of(bodies) : std::vector<geometry::Solid>{}),
+        decision_(bodies, bvhs_, solids_),
+        containment_(containment),
+        remembers_(remembers) {}
+
+  void prepare(std::span<const Pose> poses, double /*enlarge*/) override { decision_.prepare(poses); }
+
+  void answer(std::span<const PairRun> runs, std::vector<Pair>& hits) override {
+    decision_.hits(runs, hits, containment_ ? &contained_ : nullptr);
+    if (containment_) hits.insert(hits.end(), contained_.begin(), contained_.end());
+  }
+
+  std::uint64_t count(std::span<const PairRun> runs, std::vector<Pair>& hits) override {
+    answer(runs, hits);
+    return decision_.operations();
+  }
+
+  void remember() override {
+    if (remembers_) decision_.remember();
+  }
+
+  void forget() override { decision_.forget(); }
+
+ private:
+  std::vector<geometry::Bvh> bvhs_;      // one per distinct mesh
+  std::vector<geometry::Solid> solids_;  // likewise, or none
+  Seam decision_;                        // refers to both
+  bool containment_, remembers_;
+  std::vector<Pair> contained_;
+};
+
+}  // namespace
+
+Knob containment_knob() {
+  return {.name = kContainment,
+          .preset = false,
+          .unit = "1",
+          .what = "bodies wholly inside others are hits too, as with truth.containment = \"meet\""};
+}
+
+std::unique_ptr<Method> make_deciding(const Bodies& bodies, const Knobs& knobs, bool remembers) {
+  return std::make_unique<Deciding>(bodies, value_of<bool>(knobs, kContainment), remembers);
+}
+
+}  // namespace algorithms

@@ -1,0 +1,20 @@
+// exact: the answer by which the others are judged, as an algorithm with a time of its own. Remembers the step before.
+//
+// Source  geometry/meet.hpp, the decision of the truth stage.
+// Cost    A sweep of the bodies' boxes; per near pair, where the step before still tells, the triangles that met or the
+//         direction that parted the bodies; else a descent of two hierarchies. One set of hierarchies per distinct
+//         mesh.
+// Misses  Nothing: closed triangles of world vertices as README's "Truth" rounds them. A body wholly inside another has
+//         no common surface point with it: a hit only with `containment`, and then all meshes must be closed.
+// Extra   Nothing.
+//
+// Its promise is judged on the truth that scores: beside truth.containment = "meet" it holds with `containment`, beside
+// "ignore" without; beside "record" both are right.
+#pragma once
+#include "algorithms/algorithm.hpp"
+
+namespace algorithms {
+
+Algorithm exact();
+
+}  // namespace algorithms
