@@ -2,13 +2,13 @@
 //
 //   build/exact_bench [RESULT.h5] [--per_step=FILE.csv] [options of Google Benchmark]
 //
-// The motion is that of a result file, results/padani.h5 unless another is given (scripts/bench makes it). All methods
-// answer the same steps in one process, in turns, timed by the detect stage itself: the fastest of three passes,
-// preparation included, memories emptied at the first step and every 50. A case is measured once, when its first row is
-// asked for. Columns of a row:
-//   Time        ms of all steps of the case
+// The motion is that of a result file, results/padani.h5 unless another is given (scripts/bench makes it), with its own
+// spheres, with finer ones and with torus knots in their place. All methods answer the same steps in one process, in
+// turns, timed by the detect stage itself: the fastest of three passes, preparation included, memories emptied every 50
+// steps. A scene is measured once, when its first row is asked for; rows are windows of its steps. Columns:
+//   Time        ms of all steps of the window
 //   median      ms of a step
-//   cold        ms of the steps that start with an empty memory, mean
+//   cold        ms of a step that starts with an empty memory, mean
 //   worst       ms of the dearest step
 //   fcl_ratio   FCL's time over this one's, of all steps
 //   obb_ratio   this time over obb_sat's
@@ -23,6 +23,7 @@
 #include <map>
 #include <numeric>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,7 @@ using geometry::Mesh;
 using Poses = std::vector<std::vector<geometry::Pose>>;
 
 constexpr const char* kMethods[] = {"fcl_bvh", "exact", "exact_cold", "obb_sat"};
+constexpr std::size_t kFcl = 0, kExact = 1, kObb = 3;
 constexpr double kLanded = 3.9;         // s: the last sphere of configs/padani.toml lies
 constexpr std::size_t kLiveliest = 60;  // steps
 constexpr std::int64_t kRepeats = 3;
@@ -49,10 +51,9 @@ struct Window {
   std::size_t first, last;
 };
 
-struct Case {
+struct Scene {
   std::string name;
   Bodies bodies;
-  Window window;
   std::vector<Answers> answers = {};  // of kMethods; empty: not measured yet
 };
 
@@ -88,27 +89,34 @@ Bodies with_spheres_as(Bodies bodies, Shape shape) {
 
 Mesh finer(const Mesh& sphere) { return geometry::sphere(sphere.name, sphere.sphere_radius, 64); }
 
-/// Babylon.js's torus knot of 2048 facets, scaled so that it just fits into the sphere.
-Mesh knot(const Mesh& sphere) {
+/// Babylon.js's torus knot of 2048 facets, so large that it reaches `reach` of the sphere's radius.
+Mesh knot(const Mesh& sphere, double reach) {
   Mesh mesh = geometry::torus_knot(sphere.name, 3, 0.5, 32, 32, 2, 3);
-  double reach = 0;
-  for (const geometry::Vec3& v : mesh.vertices) reach = std::max(reach, v.norm());
-  for (geometry::Vec3& v : mesh.vertices) v *= sphere.sphere_radius / reach;
+  double greatest = 0;
+  for (const geometry::Vec3& v : mesh.vertices) greatest = std::max(greatest, v.norm());
+  for (geometry::Vec3& v : mesh.vertices) v *= reach * sphere.sphere_radius / greatest;
   return mesh;
 }
 
-void measure(Case& c, const Poses& motion) {
-  const Poses poses(motion.begin() + std::ptrdiff_t(c.window.first), motion.begin() + std::ptrdiff_t(c.window.last));
+void measure(Scene& scene, const Poses& poses) {
   Truth none;  // answers are compared with one another
   for (std::size_t s = 0; s < poses.size(); ++s) none.hits.append({});
   std::vector<AlgorithmChoice> choices;
   for (const char* name : kMethods) choices.push_back(parse_algorithm(name));
-  Progress quiet("detect", poses.size(), true);
-  c.answers = detect(c.bodies, poses, none, choices, kRepeats, machine(), nullptr, quiet);
+  Progress progress("detect", poses.size(), false);
+  scene.answers = detect(scene.bodies, poses, none, choices, kRepeats, machine(), nullptr, progress);
 }
 
-double total_ms(const Answers& answers) {
-  return 1e-6 * double(std::accumulate(answers.time_ns.begin(), answers.time_ns.end(), std::int64_t{0}));
+double total_ms(const Answers& answers, Window window) {
+  const auto begin = answers.time_ns.begin();
+  return 1e-6 * double(std::accumulate(begin + std::ptrdiff_t(window.first), begin + std::ptrdiff_t(window.last),
+                                       std::int64_t{0}));
+}
+
+PairLists hits_of(const Answers& answers, Window window) {
+  PairLists hits;
+  for (std::size_t s = window.first; s < window.last; ++s) hits.append(answers.hits.at(s));
+  return hits;
 }
 
 /// FNV-1a over the pairs' numbers and where the steps end.
@@ -130,39 +138,42 @@ std::uint64_t differences(const PairLists& some, const PairLists& others) {
   return count;
 }
 
-void row(benchmark::State& state, Case& c, std::size_t method, const Poses& motion) {
-  if (c.answers.empty()) measure(c, motion);
-  const Answers& answers = c.answers[method];
-  for (auto _ : state) state.SetIterationTime(1e-3 * total_ms(answers));
+void row(benchmark::State& state, Scene& scene, Window window, std::size_t method, const Poses& poses) {
+  if (scene.answers.empty()) measure(scene, poses);
+  const Answers& answers = scene.answers[method];
+  const double total = total_ms(answers, window);
+  for (auto _ : state) state.SetIterationTime(1e-3 * total);
 
-  std::vector<std::int64_t> times = answers.time_ns;
-  double cold = 0;
-  for (std::size_t s = 0; s < times.size(); s += kChunkSteps) cold += double(times[s]);
-  const std::size_t chunks = (times.size() + kChunkSteps - 1) / kChunkSteps;
+  std::vector<double> times, cold;
+  for (std::size_t s = window.first; s < window.last; ++s) {
+    times.push_back(1e-6 * double(answers.time_ns[s]));
+    if (s % kChunkSteps == 0) cold.push_back(times.back());
+  }
   std::ranges::sort(times);
-  state.counters["median"] = 1e-6 * double(times[times.size() / 2]);
-  state.counters["cold"] = 1e-6 * cold / double(chunks);
-  state.counters["worst"] = 1e-6 * double(times.back());
-  state.counters["fcl_ratio"] = total_ms(c.answers[0]) / total_ms(answers);
-  state.counters["obb_ratio"] = total_ms(answers) / total_ms(c.answers[3]);
-  state.counters["differ"] = double(differences(answers.hits, c.answers[1].hits));
+  state.counters["median"] = times[times.size() / 2];
+  if (!cold.empty()) state.counters["cold"] = std::accumulate(cold.begin(), cold.end(), 0.0) / double(cold.size());
+  state.counters["worst"] = times.back();
+  state.counters["fcl_ratio"] = total_ms(scene.answers[kFcl], window) / total;
+  state.counters["obb_ratio"] = total / total_ms(scene.answers[kObb], window);
+  const PairLists hits = hits_of(answers, window);
+  state.counters["differ"] = double(differences(hits, hits_of(scene.answers[kExact], window)));
   char text[96];
-  std::snprintf(text, sizeof text, "steps %zu:%zu, %zu hits, hash %016llx", c.window.first, c.window.last,
-                answers.hits.pair.size(), static_cast<unsigned long long>(hash(answers.hits)));
+  std::snprintf(text, sizeof text, "steps %zu:%zu, %zu hits, hash %016llx", window.first, window.last, hits.pair.size(),
+                static_cast<unsigned long long>(hash(hits)));
   state.SetLabel(text);
 }
 
-/// One line per case and step that were measured.
-void write_steps(const std::string& path, const std::vector<Case>& cases) {
+/// One line per scene and step that were measured.
+void write_steps(const std::string& path, const std::vector<Scene>& scenes) {
   std::ofstream out(path);
-  out << "case,step,memory,hits";
+  out << "scene,step,memory,hits";
   for (const char* name : kMethods) out << ',' << name << "_ms";
   out << '\n';
-  for (const Case& c : cases)
-    for (std::size_t s = 0; !c.answers.empty() && s < c.window.last - c.window.first; ++s) {
-      out << c.name << ',' << c.window.first + s << ',' << (s % kChunkSteps ? "kept" : "empty") << ','
-          << c.answers[1].hits.at(s).size();
-      for (const Answers& answers : c.answers) out << ',' << 1e-6 * double(answers.time_ns[s]);
+  for (const Scene& scene : scenes)
+    for (std::size_t s = 0; !scene.answers.empty() && s < scene.answers[kExact].time_ns.size(); ++s) {
+      out << scene.name << ',' << s << ',' << (s % kChunkSteps ? "kept" : "empty") << ','
+          << scene.answers[kExact].hits.at(s).size();
+      for (const Answers& answers : scene.answers) out << ',' << 1e-6 * double(answers.time_ns[s]);
       out << '\n';
     }
   if (!out.flush()) throw Error(kFile, path + ": cannot be written; choose another --per_step");
@@ -170,36 +181,37 @@ void write_steps(const std::string& path, const std::vector<Case>& cases) {
 
 void run(int argc, char** argv) {
   std::string file = "results/padani.h5", per_step;
+  constexpr std::string_view kPerStep = "--per_step=";
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    if (argument.starts_with("--per_step="))
-      per_step = argument.substr(argument.find('=') + 1);
+    if (argument.starts_with(kPerStep))
+      per_step = argument.substr(kPerStep.size());
+    else if (argument.starts_with("--"))
+      throw Error(kUsage, argument + ": must be --per_step=FILE or an option of Google Benchmark");
     else
       file = argument;
   }
   const Result result = read_result(file);
-  const std::size_t landed = std::min(std::size_t(kLanded * result.rate), result.steps() - 1);
-  const Window all{0, result.steps()}, after{landed, result.steps()}, lively = liveliest(result);
-  const Bodies fine = with_spheres_as(result.bodies, finer), knots = with_spheres_as(result.bodies, knot);
-  std::vector<Case> cases = {{"spheres_16/landed", result.bodies, after},
-                             {"spheres_16/liveliest", result.bodies, lively},
-                             {"spheres_16/all", result.bodies, all},
-                             {"spheres_64/landed", fine, after},
-                             {"spheres_64/liveliest", fine, lively},
-                             {"spheres_64/all", fine, all},
-                             {"knots/landed", knots, after},
-                             {"knots/liveliest", knots, lively},
-                             {"knots/all", knots, all}};
-  for (Case& c : cases)
-    for (std::size_t method = 0; method < std::size(kMethods); ++method)
-      benchmark::RegisterBenchmark(
-          (c.name + '/' + kMethods[method]).c_str(),
-          [&c, &result, method](benchmark::State& state) { row(state, c, method, result.motion); })
-          ->Iterations(1)
-          ->UseManualTime()
-          ->Unit(benchmark::kMillisecond);
+  const std::size_t steps = result.steps(), landed = std::size_t(kLanded * result.rate);
+  std::vector<std::pair<std::string, Window>> windows = {{"all", {0, steps}}, {"liveliest", liveliest(result)}};
+  if (landed < steps) windows.push_back({"landed", {landed, steps}});
+  std::vector<Scene> scenes = {
+      {"recorded", result.bodies},
+      {"spheres_64", with_spheres_as(result.bodies, finer)},
+      {"knots", with_spheres_as(result.bodies, [](const Mesh& m) { return knot(m, 1); })},
+      {"knots_crossing", with_spheres_as(result.bodies, [](const Mesh& m) { return knot(m, 1.5); })}};
+  for (Scene& scene : scenes)
+    for (const auto& [name, window] : windows)
+      for (std::size_t method = 0; method < std::size(kMethods); ++method)
+        benchmark::RegisterBenchmark((scene.name + '/' + name + '/' + kMethods[method]).c_str(),
+                                     [&scene, &result, window, method](benchmark::State& state) {
+                                       row(state, scene, window, method, result.motion);
+                                     })
+            ->Iterations(1)
+            ->UseManualTime()
+            ->Unit(benchmark::kMillisecond);
   benchmark::RunSpecifiedBenchmarks();
-  if (!per_step.empty()) write_steps(per_step, cases);
+  if (!per_step.empty()) write_steps(per_step, scenes);
 }
 
 }  // namespace
