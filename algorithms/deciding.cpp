@@ -76,7 +76,7 @@ Knob containment_knob() {
   return {.name = kContainment,
           .preset = false,
           .unit = "1",
-          .what = "bodies wholly inside others are hits too, as with truth.containment = \"meet\""};
+          .what = "bodies wholly inside others are hits too; follows truth.containment unless given"};
 }
 
 std::unique_ptr<Method> make_deciding(const Bodies& bodies, const Knobs& knobs, bool remembers) {

@@ -8,8 +8,9 @@
 //         no common surface point with it: a hit only with `containment`, and then all meshes must be closed.
 // Extra   Nothing.
 //
-// Its promise is judged on the truth that scores: beside truth.containment = "meet" it holds with `containment`, beside
-// "ignore" without; beside "record" both are right.
+// Its promise is judged on the truth that scores, and a knob `containment` that is not given follows it: true beside
+// truth.containment = "meet", else false. Given, it holds beside "meet" with true, beside "ignore" with false; beside
+// "record" both are right.
 #pragma once
 #include "algorithms/algorithm.hpp"
 

@@ -124,7 +124,9 @@ TEST(Detect, MemoriesAreEmptyAtEveryChunkAndOnlyThere) {
   EXPECT_EQ(all[0].hits.pair, all[1].hits.pair);
   std::size_t cheaper = 0;
   for (std::size_t s = 0; s < 120; ++s) {
-    if (s % kChunkSteps == 0) EXPECT_EQ(warm[s], cold[s]) << s;
+    if (s % kChunkSteps == 0) {
+      EXPECT_EQ(warm[s], cold[s]) << s;
+    }
     cheaper += warm[s] < cold[s];
   }
   EXPECT_GT(cheaper, 0u);
