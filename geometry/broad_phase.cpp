@@ -84,7 +84,7 @@ Placement placement(const Enclosure& mesh, const Pose& pose) {
   out.r = rotation(pose.q);
   out.t = pose.t;
   out.middle = to_world(out.r, out.t, mesh.centre);
-  out.length = length_above(pose.t);
+  out.length = rounded_up((std::fabs(pose.t.x()) + std::fabs(pose.t.y())) + std::fabs(pose.t.z()));
   out.rigid = near_unit(pose.q);
   out.born = is_born(pose);
   return out;

@@ -28,7 +28,7 @@ struct Placement {
   Mat3 r;         // rotation(q)
   Vec3 t;         // of the pose
   Vec3 middle;    // to_world of the enclosure's centre
-  double length;  // |t|, rounded up
+  double length;  // at least |t|
   bool rigid;     // |r v| <= (1 + kDefect) |v| for every v, and r^T r = 1 + E with |E| <= kDefect
   bool born;
 };
