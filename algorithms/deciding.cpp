@@ -19,22 +19,6 @@ std::vector<geometry::Solid> solids_of(const Bodies& bodies) {
   return solids;
 }
 
-// SEAM
-struct Seam {
-  Seam(const Bodies& b, std::span<const geometry::Bvh> h, std::span<const geometry::Solid> s) : d(b, h, s) {}
-  geometry::Decision d;
-  std::vector<Pose> p;
-  std::uint64_t n = 0;
-  void prepare(std::span<const Pose> poses) { p.assign(poses.begin(), poses.end()); }
-  void hits(std::span<const PairRun> runs, std::vector<Pair>& out, std::vector<Pair>* contained) {
-    for (const Pair& x : d.hits(p, runs, contained)) out.push_back(x);
-    n = geometry::pair_count(runs);
-  }
-  void remember() {}
-  void forget() {}
-  std::uint64_t operations() { return n; }
-};
-
 class Deciding final : public Method {
  public:
   Deciding(const Bodies& bodies, bool containment, bool remembers)
@@ -47,8 +31,9 @@ class Deciding final : public Method {
   void prepare(std::span<const Pose> poses, double /*enlarge*/) override { decision_.prepare(poses); }
 
   void answer(std::span<const PairRun> runs, std::vector<Pair>& hits) override {
+    contained_.clear();
     decision_.hits(runs, hits, containment_ ? &contained_ : nullptr);
-    if (containment_) hits.insert(hits.end(), contained_.begin(), contained_.end());
+    hits.insert(hits.end(), contained_.begin(), contained_.end());
   }
 
   std::uint64_t count(std::span<const PairRun> runs, std::vector<Pair>& hits) override {
@@ -65,7 +50,7 @@ class Deciding final : public Method {
  private:
   std::vector<geometry::Bvh> bvhs_;      // one per distinct mesh
   std::vector<geometry::Solid> solids_;  // likewise, or none
-  Seam decision_;                        // refers to both
+  geometry::Decision decision_;          // refers to both
   bool containment_, remembers_;
   std::vector<Pair> contained_;
 };
