@@ -14,7 +14,6 @@
 namespace geometry {
 namespace {
 
-constexpr std::uint32_t kLeafSize = 4;   // measured: tests/benchmarks/truth_bench.cpp
 constexpr std::uint32_t kBins = 16;      // Wald's choice; more gained nothing
 constexpr std::uint32_t kMaxDepth = 64;  // halving from there on bounds the depth, whatever the mesh
 
@@ -50,7 +49,7 @@ class Builder {
   void add(std::uint32_t first, std::uint32_t last, std::uint32_t depth) {
     const auto node = static_cast<std::uint32_t>(bvh_.nodes.size());
     bvh_.nodes.push_back({first, last - first, 0});
-    if (last - first <= kLeafSize) {
+    if (last - first <= Bvh::kLeafSize) {
       std::sort(bvh_.order.begin() + first, bvh_.order.begin() + last);
       return;
     }

@@ -17,6 +17,17 @@ Box box_of(const Triangle& t) { return {t[0].cwiseMin(t[1]).cwiseMin(t[2]), t[0]
 
 float size(const Bvh::Bound& bound) { return (bound.half[0] + bound.half[1]) + bound.half[2]; }
 
+/// The node `up` levels above the leaf that holds order[k].
+std::uint32_t above(const Bvh& bvh, std::uint32_t k, std::size_t up) {
+  std::array<std::uint32_t, Bvh::kMostDepth> path;
+  std::size_t depth = 0;
+  for (std::uint32_t i = path[0] = 0; bvh.nodes[i].count == 0; path[++depth] = i) {
+    const std::uint32_t second = bvh.nodes[i].second;
+    i = k < bvh.nodes[second].first ? i + 1 : second;
+  }
+  return path[depth - std::min(depth, up)];
+}
+
 double dot(const Vec3& d, const Vec3& p) { return (d.x() * p.x() + d.y() * p.y()) + d.z() * p.z(); }
 
 }  // namespace
@@ -71,41 +82,44 @@ bool Decision::meet(std::span<const Pose> poses, Pair pair) {
 }
 
 bool Decision::decide(const Body& a, const Body& b, const Margin& close, Lesson& lesson) {
-  if (lesson.a_facet != kNone && facets_meet(a, b, lesson)) return true;
+  const bool met = lesson.a_facet != kNone;
+  if (met && facets_meet(a, b, lesson)) return true;
   if (!close.useful) {
     placed_[0].place(a);
     placed_[1].place(b);
     return placed_meet(a, placed_[0], b, placed_[1], placed_stack_, operations_);
   }
-  // A pair that met a step before is likely to meet still, near by.
-  const bool met = lesson.a_facet != kNone;
-  if (!met && separated(a, b, close, lesson)) return false;
+  // Of pairs new to each other most meet; the others are asked for a direction after the descent.
+  const bool parted = !met && lesson.direction != std::array<float, 3>{};
+  if (parted && separated(a, b, close, lesson)) return false;
   const Relative relative(a, b, close);
+  constexpr int kUp = 3;  // measured: tests/benchmarks/truth_bench.cpp
+  if (met && descend(a, b, relative, {above(a.bvh, lesson.a_facet, kUp), above(b.bvh, lesson.b_facet, kUp)}, lesson))
+    return true;
   if (descend(a, b, relative, {0, 0}, lesson)) return true;
   lesson.a_facet = lesson.b_facet = kNone;
+  if (!parted) separated(a, b, close, lesson);
   return false;
 }
 
 bool Decision::facets_meet(const Body& a, const Body& b, Lesson& lesson) {
   ++operations_;
-  return triangles_meet(a.facet(lesson.a_facet), b.facet(lesson.b_facet));
+  return triangles_meet(a.facet(a.bvh.order[lesson.a_facet]), b.facet(b.bvh.order[lesson.b_facet]));
 }
 
 /// Asks the best direction known, and learns the next to try: the direction mirrored at the plane between the two
 /// supports (K. Chung, W. Wang, "Quick collision detection of polytopes in virtual environments", 1996).
 bool Decision::separated(const Body& a, const Body& b, const Margin& close, Lesson& lesson) {
-  constexpr int kTries = 2;       // measured: tests/benchmarks/truth_bench.cpp
-  constexpr double kDeep = 0.05;  // of the smaller body: no direction is likely to separate
+  constexpr int kTries = 2;  // measured: tests/benchmarks/truth_bench.cpp
   Vec3 direction(lesson.direction[0], lesson.direction[1], lesson.direction[2]);
   if (direction == Vec3::Zero()) direction = b.at.middle - a.at.middle;
   for (int i = 0; i < kTries; ++i) {
     const double length = std::sqrt(dot(direction, direction));
-    if (!(length > 0)) return false;  // one middle
+    if (!(length > 0)) break;  // one middle
     for (int k = 0; k < 3; ++k) lesson.direction[k] = static_cast<float>(direction[k] / length);
     direction = Vec3(lesson.direction[0], lesson.direction[1], lesson.direction[2]);
     const Slab slab = find_slab(a, b, direction, close, operations_);
     if (slab.apart) return true;
-    if (slab.gap < -kDeep * std::min(a.around.radius, b.around.radius)) break;
     const Vec3 between = slab.to - slab.from;
     const double square = dot(between, between);
     if (square > 0) direction -= 2 * dot(between, direction) / square * between;
@@ -140,17 +154,23 @@ bool Decision::descend(const Body& a, const Body& b, const Relative& relative, N
 
 bool Decision::leaves_meet(const Body& a, const Body& b, NodePair leaves, Lesson& lesson) {
   const Bvh::Node &m = a.bvh.nodes[leaves.a], &n = b.bvh.nodes[leaves.b];
+  struct Facet {
+    Triangle triangle;
+    Box box;
+  };
+  std::array<Facet, Bvh::kLeafSize> of_b;
+  for (std::uint32_t l = 0; l < n.count; ++l) {
+    of_b[l].triangle = b.facet(b.bvh.order[n.first + l]);
+    of_b[l].box = box_of(of_b[l].triangle);
+  }
   for (std::uint32_t k = m.first; k < m.first + m.count; ++k) {
-    const std::uint32_t f = a.bvh.order[k];
-    const Triangle s = a.facet(f);
+    const Triangle s = a.facet(a.bvh.order[k]);
     const Box s_box = box_of(s);
-    for (std::uint32_t l = n.first; l < n.first + n.count; ++l) {
-      const std::uint32_t g = b.bvh.order[l];
-      const Triangle t = b.facet(g);
+    for (std::uint32_t l = 0; l < n.count; ++l) {
       ++operations_;
-      if (!touch(s_box, box_of(t)) || !triangles_meet(s, t)) continue;
-      lesson.a_facet = f;
-      lesson.b_facet = g;
+      if (!touch(s_box, of_b[l].box) || !triangles_meet(s, of_b[l].triangle)) continue;
+      lesson.a_facet = k;
+      lesson.b_facet = n.first + l;
       return true;
     }
   }

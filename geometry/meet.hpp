@@ -59,7 +59,8 @@ class Decision {
  private:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  /// What a near pair taught: two facets that met, or else a direction that separated, or was the best known.
+  /// What a near pair taught: two facets that met (of the hierarchies' order), or else a direction that separated or
+  /// was the best known.
   struct Lesson {
     Pair pair;
     std::uint32_t a_facet = kNone, b_facet = kNone;

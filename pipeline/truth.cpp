@@ -43,11 +43,17 @@ TruthChunk decide_chunk(geometry::Decision& decision, const geometry::Bodies& bo
                         std::span<const std::vector<geometry::Pose>> poses, bool wants_contained, Progress& progress) {
   using Clock = std::chrono::steady_clock;
   TruthChunk chunk;
-  std::vector<Pair> contained;
+  std::vector<Pair> hits, contained;
+  decision.forget();  // the chunk decided before need not be the one before in time
   for (const auto& step : poses) {
     stop_if_wanted();
     const auto start = Clock::now();
-    chunk.hits.append(decision.hits(step, geometry::pair_runs(bodies, step), wants_contained ? &contained : nullptr));
+    hits.clear();
+    contained.clear();
+    decision.prepare(step);
+    decision.hits(geometry::pair_runs(bodies, step), hits, wants_contained ? &contained : nullptr);
+    decision.remember();
+    chunk.hits.append(hits);
     if (wants_contained) chunk.contained.append(contained);
     chunk.time_ns.push_back(std::chrono::nanoseconds(Clock::now() - start).count());
     progress.add(1);
