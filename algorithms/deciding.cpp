@@ -1,5 +1,7 @@
 #include "algorithms/deciding.hpp"
 
+#include <optional>
+
 #include "geometry/contain.hpp"
 #include "geometry/meet.hpp"
 
@@ -22,35 +24,39 @@ std::vector<geometry::Solid> solids_of(const Bodies& bodies) {
 class Deciding final : public Method {
  public:
   Deciding(const Bodies& bodies, bool containment, bool remembers)
-      : bvhs_(geometry::build_bvhs(bodies)),
+      : bodies_(bodies),
+        bvhs_(geometry::build_bvhs(bodies)),
         solids_(containment ? solids_of(bodies) : std::vector<geometry::Solid>{}),
-        decision_(bodies, bvhs_, solids_),
         containment_(containment),
-        remembers_(remembers) {}
+        remembers_(remembers) {
+    Deciding::forget();
+  }
 
-  void prepare(std::span<const Pose> poses, double /*enlarge*/) override { decision_.prepare(poses); }
+  void prepare(std::span<const Pose> poses, double /*enlarge*/) override { decision_->prepare(poses); }
 
   void answer(std::span<const PairRun> runs, std::vector<Pair>& hits) override {
     contained_.clear();
-    decision_.hits(runs, hits, containment_ ? &contained_ : nullptr);
+    decision_->hits(runs, hits, containment_ ? &contained_ : nullptr);
     hits.insert(hits.end(), contained_.begin(), contained_.end());
   }
 
   std::uint64_t count(std::span<const PairRun> runs, std::vector<Pair>& hits) override {
     answer(runs, hits);
-    return decision_.operations();
+    return decision_->operations();
   }
 
   void remember() override {
-    if (remembers_) decision_.remember();
+    if (remembers_) decision_->remember();
   }
 
-  void forget() override { decision_.forget(); }
+  /// All of it, also in what order the sweep left the bodies: that shows in the number of its comparisons.
+  void forget() override { decision_.emplace(bodies_, bvhs_, solids_); }
 
  private:
-  std::vector<geometry::Bvh> bvhs_;      // one per distinct mesh
-  std::vector<geometry::Solid> solids_;  // likewise, or none
-  geometry::Decision decision_;          // refers to both
+  const Bodies& bodies_;
+  std::vector<geometry::Bvh> bvhs_;             // one per distinct mesh
+  std::vector<geometry::Solid> solids_;         // likewise, or none
+  std::optional<geometry::Decision> decision_;  // refers to both
   bool containment_, remembers_;
   std::vector<Pair> contained_;
 };

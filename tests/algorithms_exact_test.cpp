@@ -117,6 +117,28 @@ TEST(ExactCold, EveryStepIsTheFirst) {
   for (std::size_t s = 0; s < steps.size(); ++s) EXPECT_EQ(cold[s], operations("exact", {steps[s]})[0]) << s;
 }
 
+// The broad phase sweeps along the axis of the greatest spread, and stays with it while another is little better: its
+// comparisons show which.
+TEST_P(Exact, ForgetsAlongWhichAxisItSwept) {
+  std::mt19937 random(33);
+  SCOPED_TRACE("seed 33");
+  Setting tall = crowd(random, 60, 1), wide = tall;
+  for (std::size_t i = 0; i < tall.poses.size(); ++i) {
+    const Vec3 place = 8 * tall.poses[i].t;
+    tall.poses[i].t = {place.x(), 3 * place.y(), place.z()};
+    wide.poses[i].t = {1.02 * place.x(), place.y(), 0.1 * place.z()};
+  }
+  const auto method = make(GetParam(), tall.bodies), fresh = make(GetParam(), tall.bodies);
+  std::vector<Pair> found;
+  method->prepare(tall.poses);
+  method->answer(tall.runs(), found);
+  method->remember();
+  method->forget();
+  method->prepare(wide.poses);
+  fresh->prepare(wide.poses);
+  EXPECT_EQ(method->count(wide.runs(), found), fresh->count(wide.runs(), found));
+}
+
 TEST(ExactWithMemory, MakesFewerTestsAfterTheFirstStep) {
   std::mt19937 random(32);
   SCOPED_TRACE("seed 32");

@@ -14,14 +14,22 @@
 //   obb_ratio   this time over obb_sat's
 //   differ      answers that differ from exact's
 // and the hits with a hash of them, so that a speed-up cannot quietly change an answer.
+//
+// Piles of 275, 2,750 and 27,500 spheres show how the cost grows: ms per step, bytes that the method holds (hierarchies
+// and what grows with the bodies), and the slope in a log-log plot from the pile before.
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
 #include <map>
 #include <numeric>
+#include <random>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -163,6 +171,73 @@ void row(benchmark::State& state, Scene& scene, Window window, std::size_t metho
   state.SetLabel(text);
 }
 
+/// Layers of a hexagonal packing with gaps of a thousandth of the radius, so that most neighbours nearly touch and some
+/// do; every body creeps to and fro between two steps.
+struct Pile {
+  Bodies bodies;
+  std::array<std::vector<geometry::Pose>, 2> steps;
+
+  explicit Pile(int count) {
+    std::mt19937_64 bits(20221122);
+    const auto real = [&] { return static_cast<double>(static_cast<std::int64_t>(bits())) * 0x1p-63; };
+    const auto point = [&] {
+      const double x = real(), y = real(), z = real();
+      return geometry::Vec3(x, y, z);
+    };
+    bodies.meshes = {geometry::sphere("sphere", 1, 16)};
+    const int side = static_cast<int>(std::ceil(std::cbrt(count)));
+    constexpr double kStep = 2.001;  // m, from centre to centre
+    for (int i = 0; i < count; ++i) {
+      const int column = i % side, row = i / side % side, layer = i / side / side;
+      const double x = column + 0.5 * (row % 2) + 0.5 * (layer % 2);
+      const double z = (row + (layer % 2) / 3.0) * std::sqrt(0.75);
+      const geometry::Vec3 place = kStep * geometry::Vec3(x, layer * std::sqrt(2.0 / 3.0), z) + 0.003 * point();
+      const geometry::Quaternion q = geometry::normalised({real(), real(), real(), real()});
+      bodies.name.push_back(std::to_string(i));
+      bodies.mesh.push_back(0);
+      bodies.fixed.push_back(0);
+      steps[0].push_back({q, place});
+      steps[1].push_back({q, place + 0.001 * point()});
+    }
+  }
+};
+
+void pile(benchmark::State& state, const std::string& name) {
+  using Clock = std::chrono::steady_clock;
+  const Pile pile(static_cast<int>(state.range(0)));
+  const std::vector<geometry::PairRun> runs = geometry::pair_runs(pile.bodies, pile.steps[0]);
+  const algorithms::Algorithm& row = *algorithms::find(name);
+  const std::size_t before = mallinfo2().uordblks + mallinfo2().hblkhd;
+  const auto method = row.make(pile.bodies, algorithms::presets(row));
+  std::vector<Pair> found;
+  double spent = 0;
+  std::int64_t asked = 0;
+  for (auto _ : state) {
+    const std::vector<geometry::Pose>& poses = pile.steps[asked++ % 2];
+    found.clear();
+    const auto start = Clock::now();
+    method->prepare(poses);
+    method->answer(runs, found);
+    method->remember();
+    const double s = std::chrono::duration<double>(Clock::now() - start).count();
+    state.SetIterationTime(s);
+    spent += s;
+  }
+  const double bytes = double(mallinfo2().uordblks + mallinfo2().hblkhd - before);
+  std::ranges::sort(found);
+  PairLists hits;
+  hits.append(found);
+  const double n = double(state.range(0)), mean = spent / double(asked);
+  static std::map<std::string, std::pair<double, double>> last;  // of each method: bodies, s per step
+  if (const auto smaller = last.find(name); smaller != last.end() && smaller->second.first < n)
+    state.counters["slope"] = std::log(mean / smaller->second.second) / std::log(n / smaller->second.first);
+  last[name] = {n, mean};
+  state.counters["bytes"] = bytes;
+  char text[96];
+  std::snprintf(text, sizeof text, "%zu hits, hash %016llx", found.size(), static_cast<unsigned long long>(hash(hits)));
+  state.SetLabel(text);
+}
+
 /// One line per scene and step that were measured.
 void write_steps(const std::string& path, const std::vector<Scene>& scenes) {
   std::ofstream out(path);
@@ -210,6 +285,15 @@ void run(int argc, char** argv) {
             ->Iterations(1)
             ->UseManualTime()
             ->Unit(benchmark::kMillisecond);
+  for (const char* name : {"exact", "exact_cold", "fcl_bvh"})
+    benchmark::RegisterBenchmark((std::string("pile/") + name).c_str(),
+                                 [name](benchmark::State& state) { pile(state, name); })
+        ->Arg(275)
+        ->Arg(2750)
+        ->Arg(27500)
+        ->Iterations(6)  // the first is cold
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
   benchmark::RunSpecifiedBenchmarks();
   if (!per_step.empty()) write_steps(per_step, scenes);
 }
