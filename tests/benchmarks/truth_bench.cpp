@@ -111,7 +111,7 @@ BENCHMARK(truth_of_a_pile)
 
 /// Piles of ever more spheres, with the memory of a step before: what a step costs and takes.
 void truth_of_growing_piles(benchmark::State& state) {
-  const Pile pile(static_cast<int>(state.range(0)), -2e-3, 8);
+  const Pile pile(static_cast<int>(state.range(0)), -0.1, 16);
   const std::vector<Bvh> bvhs = build_bvhs(pile.bodies);
   const std::vector<PairRun> runs = pair_runs(pile.bodies, pile.poses);
   Decision decision(pile.bodies, bvhs);
@@ -157,7 +157,7 @@ BENCHMARK(building_a_hierarchy)->ArgName("segments")->Arg(16)->Arg(700)->Unit(be
 int replay(const char* path, std::int64_t segments, int rounds) {
   pipeline::Result recorded = pipeline::read_result(path);
   for (Mesh& mesh : recorded.bodies.meshes)
-    if (segments > 0 && mesh.sphere_radius > 0) mesh = sphere(mesh.name, 2 * mesh.sphere_radius, segments);
+    if (segments > 0 && mesh.sphere_radius > 0) mesh = sphere(mesh.name, mesh.sphere_radius, segments);
   const Bodies& bodies = recorded.bodies;
   const std::vector<Bvh> bvhs = build_bvhs(bodies);
   std::vector<std::vector<PairRun>> runs;
