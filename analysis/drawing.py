@@ -194,8 +194,10 @@ def seconds(axis):
 
 def log_seconds(axes, which="y"):
     """A logarithmic axis of seconds; after the lines, for it divides a short range more finely."""
-    axes.set(**{f"{which}scale": "log"})
     axis = getattr(axes, f"{which}axis")
+    if not getattr(axes.dataLim, f"{which}max") > 0:
+        return seconds(axis)  # nothing to be drawn on a logarithmic axis
+    axes.set(**{f"{which}scale": "log"})
     low, high = axis.get_view_interval()
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,), numticks=15))
     axes.minorticks_off()

@@ -87,6 +87,7 @@ def parts_of_a_step(run, kind, key):
     lines["total"] = (physics_ns + steps.time_ns[:, columns[label]], {"color": PALETTE["black"], "linestyle": "--"})
     fig, axes = figure(height=4.2)
     ends = []
+    lines = {name: line for name, line in lines.items() if line[0][1:].any()}
     for name, (values, look) in lines.items():
         middle, times = binned(values[1:] / 1e9, np.median)
         axes.plot(middle + 1, times, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)
