@@ -1,7 +1,7 @@
 """python3 -m analysis: what the results say, printed or as a page.
 
-Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit the
-file, 4 a file that is missing, not a result or cannot be written.
+Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit
+the file, 4 a file that is missing, not a result or cannot be written.
 """
 
 import argparse
@@ -31,7 +31,7 @@ def main(arguments=None):
         chosen.act(chosen)
     except viewer.Unfit as error:
         print(" ".join(str(error).split()), file=sys.stderr)
-        return 3
+        return error.code
     except (OSError, KeyError, ValueError, RuntimeError) as error:
         text = error.args[0] if isinstance(error, KeyError) and error.args else error
         print(" ".join(str(text).split()), file=sys.stderr)

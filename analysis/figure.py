@@ -1,7 +1,7 @@
 """What a report is made of, and how everything in it is drawn.
 
-A Section is a named list of parts: figures, tables and paragraphs. Figures are inline SVG: they stay sharp in print, can
-be searched, and the same data give the same bytes.
+A Section is a named list of parts: figures, tables and paragraphs. Figures are inline SVG: they stay sharp in print,
+can be searched, and the same data give the same bytes.
 """
 
 import hashlib

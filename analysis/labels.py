@@ -11,20 +11,25 @@ LEADER = 12  # points: farther labels get a line to their mark
 
 def size(text, points, weight="normal"):
     """Width and height of `text` in DejaVu Sans, the widest of the fonts that a reader's machine may take; points."""
-    width, height, _ = text_to_path.get_text_width_height_descent(text, FontProperties(size=points, weight=weight), False)
+    width, height, _ = text_to_path.get_text_width_height_descent(
+        text, FontProperties(size=points, weight=weight), False
+    )
     return width, max(height, points)
 
 
-def place(anchors, sizes, region, marks, segments, radius=5.0):
+def place(named, sizes, region, marks, radii, segments):
     """Where labels go: an array (N,2) of their lower left corners; NaN for one that has no room.
 
-    anchors: (N,2), the points to be labelled; sizes: (N,2), width and height; region: (left, bottom, right, top) to stay
-    in; marks: (M,2), all points, each with `radius`; segments: (L,4), lines x0 y0 x1 y1 that had better stay readable.
-    Greedy, the most crowded first, then every label three times again, given the others. Nothing is random.
+    named: (N), the numbers of the marks to be labelled; sizes: (N,2), width and height; region: (left, bottom, right,
+    top) to stay in; marks: (M,2), the middles of all marks, radii: (M); segments: (L,4), lines x0 y0 x1 y1 that had
+    better stay readable. Greedy, the most crowded first, then every label three times again, given the others. Nothing
+    is random.
     """
-    anchors, sizes = np.asarray(anchors, float).reshape(-1, 2), np.asarray(sizes, float).reshape(-1, 2)
-    marks, segments = np.asarray(marks, float).reshape(-1, 2), np.asarray(segments, float).reshape(-1, 4)
-    mark_boxes = np.hstack([marks - radius, marks + radius])
+    sizes, marks = np.asarray(sizes, float).reshape(-1, 2), np.asarray(marks, float).reshape(-1, 2)
+    radii, segments = np.asarray(radii, float), np.asarray(segments, float).reshape(-1, 4)
+    named = np.asarray(named, int)
+    anchors = marks[named]
+    mark_boxes = np.hstack([marks - radii[:, None], marks + radii[:, None]])
     boxes = np.full((len(anchors), 4), np.nan)
     leaders = np.full((len(anchors), 4), np.nan)
     crowd = [(np.abs(marks - anchor) < (60, 20)).all(axis=1).sum() for anchor in anchors]
@@ -32,19 +37,20 @@ def place(anchors, sizes, region, marks, segments, radius=5.0):
     for turn in range(4):
         for label in order:
             boxes[label] = leaders[label] = np.nan
-            candidates, distance = _candidates(anchors[label], sizes[label], radius)
+            candidates, distance = _candidates(anchors[label], sizes[label], radii[named[label]])
             inside = (candidates[:, :2] >= region[:2]).all(axis=1) & (candidates[:, 2:] <= region[2:]).all(axis=1)
             candidates, distance = candidates[inside], distance[inside]
             if not len(candidates):
                 continue
-            lines = np.hstack([np.broadcast_to(anchors[label], (len(candidates), 2)), _nearest(candidates, anchors[label])])
+            start = np.broadcast_to(anchors[label], (len(candidates), 2))
+            lines = np.hstack([start, _nearest(candidates, anchors[label])])
             covered = _overlap(candidates, boxes, 1.5).any(axis=1) | _overlap(candidates, mark_boxes, 0).any(axis=1)
             long = distance >= LEADER
             covered |= long & _crosses(boxes, lines).any(axis=0)  # its leader through another label
             covered |= _crosses(candidates, leaders).any(axis=1)  # another leader through it
-            others = mark_boxes[(marks != anchors[label]).any(axis=1)]
-            through = long * _crosses(others + [2, 2, -2, -2], lines).sum(axis=0)
-            gaps = np.hypot(*np.moveaxis(_gap(candidates, marks[(marks != anchors[label]).any(axis=1)]), 2, 0)).min(axis=1, initial=np.inf)
+            others = (marks != anchors[label]).any(axis=1)
+            through = long * _crosses(mark_boxes[others] + [2, 2, -2, -2], lines).sum(axis=0)
+            gaps = np.hypot(*np.moveaxis(_gap(candidates, marks[others]), 2, 0)).min(axis=1, initial=np.inf)
             own = np.hypot(*_gap(candidates, anchors[label : label + 1])[:, 0].T)
             price = distance + 2.5 * np.maximum(0, own + 2 - gaps)  # nearer to a stranger's mark than to its own
             price += 6 * _crosses(candidates, segments).sum(axis=1) + 15 * through
@@ -56,7 +62,7 @@ def place(anchors, sizes, region, marks, segments, radius=5.0):
     return boxes[:, :2]
 
 
-def leader(corner, extent, anchor, radius=5.0):
+def leader(corner, extent, anchor, radius):
     """The line (x0, y0, x1, y1) from a mark's edge to its label, or None when they are near."""
     box = np.array([[*corner, *(np.asarray(corner) + extent)]])
     end = _nearest(box, np.asarray(anchor, float))[0]
@@ -70,7 +76,8 @@ def _candidates(anchor, extent, radius):
     distance = np.repeat(DISTANCES, len(ANGLES)).astype(float)
     way = np.tile(np.column_stack([np.cos(ANGLES), np.sin(ANGLES)]), (len(DISTANCES), 1))
     middle = anchor + way * (distance + radius)[:, None] + np.sign(np.round(way, 9)) * extent / 2
-    return np.hstack([middle - extent / 2, middle + extent / 2]), distance + np.tile(np.arange(len(ANGLES)) * 0.3, len(DISTANCES))
+    preferred = np.tile(np.arange(len(ANGLES)) * 0.3, len(DISTANCES))
+    return np.hstack([middle - extent / 2, middle + extent / 2]), distance + preferred
 
 
 def _nearest(boxes, point):

@@ -14,9 +14,9 @@ LIBRARY = "fcl_"  # names of algorithms that are another library's
 class Scene:
     """Results that ask the same question: motion and truth are the same bit for bit, so errors compare.
 
-    points: one row per label: label (unique), algorithm, file, knobs (dict), scope, promise, unit (of operations), exact
-    and library (bool), machine (host, processor and build as one text: times compare only within one), error, hits,
-    true_positive, ..., time_mean_ns, time_median_ns, time_p95_ns, operations (per step), promise_kept.
+    points: one row per label: label (unique), algorithm, file, knobs (dict), scope, promise, unit (of operations),
+    exact and library (bool), machine (host, processor and build as one text: times compare only within one), error,
+    hits, true_positive, ..., time_mean_ns, time_median_ns, time_p95_ns, operations (per step), promise_kept.
     """
 
     title: str
@@ -47,7 +47,8 @@ def machine(answers):
     """Where and with what an algorithm was timed: "processor on host, commit build compiler"."""
     commit, _, rest = answers.get("build", "").partition(" ")
     commit, dirty, _ = commit.partition("-")
-    return f"{answers.get('processor', '?')} on {answers.get('host', '?')}, {commit[:7]}{dirty and '-dirty'} {rest}".strip()
+    place = f"{answers.get('processor', '?')} on {answers.get('host', '?')}"
+    return f"{place}, {commit[:7]}{dirty and '-dirty'} {rest}".strip()
 
 
 def _points(runs):

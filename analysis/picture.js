@@ -5,7 +5,9 @@
 function makePicture(page) {
   const { data, meshes, poses, state, KINDS, NONE, listed, place, radius, name, kindOf, bodyKinds, choose } = page;
   const $ = (id) => document.getElementById(id);
-  const view = $("view"), root = new THREE.Group(), scene = new THREE.Scene();
+  const view = $("view"),
+    root = new THREE.Group(),
+    scene = new THREE.Scene();
   const renderer = new THREE.WebGLRenderer({ antialias: true });
   renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
   renderer.setClearColor(0xeef1f4);
@@ -33,22 +35,35 @@ function makePicture(page) {
   function material(color, manner) {
     const wanted = color + manner;
     if (!materials.has(wanted)) {
-      const opacity = { solid: 1, faded: 0.1, through: 0.09, pair: 0.62 }[manner];
-      materials.set(wanted, new THREE.MeshPhongMaterial({
-        color, opacity, transparent: opacity < 1, depthWrite: opacity === 1, flatShading: true, shininess: 12, specular: 0x222222,
-        side: manner === "faded" ? THREE.FrontSide : THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
-      }));
+      const opacity = { solid: 1, faded: 0.1, through: 0.09, shell: 0.3, pair: 0.62 }[manner];
+      materials.set(
+        wanted,
+        new THREE.MeshPhongMaterial({
+          color,
+          opacity,
+          transparent: opacity < 1,
+          depthWrite: opacity === 1,
+          flatShading: true,
+          shininess: 12,
+          specular: 0x222222,
+          side: manner === "faded" ? THREE.FrontSide : THREE.DoubleSide,
+          polygonOffset: true,
+          polygonOffsetFactor: 1,
+          polygonOffsetUnits: 1,
+        }),
+      );
     }
     return materials.get(wanted);
   }
   const edgeShapes = [[], []]; // of all triangles; of sharp edges only
   function edges(mesh, sharp) {
     const made = edgeShapes[Number(sharp)];
-    return (made[mesh] = made[mesh] || (sharp ? new THREE.EdgesGeometry(shapes[mesh], 20) : new THREE.WireframeGeometry(shapes[mesh])));
+    return (made[mesh] =
+      made[mesh] || (sharp ? new THREE.EdgesGeometry(shapes[mesh], 20) : new THREE.WireframeGeometry(shapes[mesh])));
   }
   const thin = new THREE.LineBasicMaterial({ color: 0x1d2530, transparent: true, opacity: 0.3 });
   const strong = new THREE.LineBasicMaterial({ color: 0x1d2530, transparent: true, opacity: 0.6 });
-  const lace = new THREE.LineBasicMaterial({ color: 0x1d2530, transparent: true, opacity: 0.16 }); // both sides are seen
+  const lace = new THREE.LineBasicMaterial({ color: 0x1d2530, transparent: true, opacity: 0.16 }); // over both sides
 
   const things = data.bodies.map((body, b) => {
     const thing = new THREE.Mesh(shapes[body.mesh], material(NONE, "solid"));
@@ -66,16 +81,28 @@ function makePicture(page) {
 
   // Square bars from point to point, drawn over everything: lines of WebGL are one pixel wide.
   function bars(segments, thickness, color) {
-    const position = [], index = [];
-    const p = new THREE.Vector3(), q = new THREE.Vector3(), d = new THREE.Vector3(), u = new THREE.Vector3(), v = new THREE.Vector3();
+    const position = [],
+      index = [];
+    const p = new THREE.Vector3(),
+      q = new THREE.Vector3(),
+      d = new THREE.Vector3(),
+      u = new THREE.Vector3(),
+      v = new THREE.Vector3();
     for (const [from, to] of segments) {
       d.subVectors(q.fromArray(to), p.fromArray(from));
       if (d.lengthSq() === 0) d.set(0, thickness, 0);
-      u.set(Math.abs(d.x) < Math.abs(d.y) ? 1 : 0, Math.abs(d.x) < Math.abs(d.y) ? 0 : 1, 0).cross(d).setLength(thickness);
+      u.set(Math.abs(d.x) < Math.abs(d.y) ? 1 : 0, Math.abs(d.x) < Math.abs(d.y) ? 0 : 1, 0)
+        .cross(d)
+        .setLength(thickness);
       v.crossVectors(d, u).setLength(thickness);
       const base = position.length / 3;
       for (const end of [p, q])
-        for (const [s, t] of [[1, 1], [1, -1], [-1, -1], [-1, 1]])
+        for (const [s, t] of [
+          [1, 1],
+          [1, -1],
+          [-1, -1],
+          [-1, 1],
+        ])
           position.push(end.x + s * u.x + t * v.x, end.y + s * u.y + t * v.y, end.z + s * u.z + t * v.z);
       for (let i = 0; i < 4; ++i) {
         const j = (i + 1) % 4;
@@ -86,7 +113,13 @@ function makePicture(page) {
     const shape = new THREE.BufferGeometry();
     shape.setAttribute("position", new THREE.BufferAttribute(new Float32Array(position), 3));
     shape.setIndex(index);
-    const over = new THREE.MeshBasicMaterial({ color, depthTest: false, transparent: true, opacity: 0.9, side: THREE.DoubleSide });
+    const over = new THREE.MeshBasicMaterial({
+      color,
+      depthTest: false,
+      transparent: true,
+      opacity: 0.9,
+      side: THREE.DoubleSide,
+    });
     const made = new THREE.Mesh(shape, over);
     made.renderOrder = 10;
     return made;
@@ -104,10 +137,12 @@ function makePicture(page) {
   // From middle to middle; none to a see-through plate or wall, whose middle is far from the pair.
   function links(kind) {
     const thickness = (p) => 0.05 * Math.min(radius(p[0]), radius(p[1]));
-    const pairs = page.now()[kind].filter((p) => !data.bodies[p[0]].big && !data.bodies[p[1]].big);
+    const pairs = page.now()[kind].filter((p) => p.every((b) => place(b) && !data.bodies[b].big));
     if (!pairs.length) return;
     const segments = pairs.flatMap(([a, b]) => {
-      const p = place(a), q = place(b), mix = (t) => p.map((x, c) => x + t * (q[c] - x));
+      const p = place(a),
+        q = place(b),
+        mix = (t) => p.map((x, c) => x + t * (q[c] - x));
       return kind === "fn" ? [[p, q]] : [0, 0.4, 0.8].map((t) => [mix(t), mix(t + 0.2)]); // false positives dashed
     });
     marks.add(bars(segments, Math.min(...pairs.map(thickness)), KINDS[kind].color));
@@ -115,36 +150,64 @@ function makePicture(page) {
 
   function update() {
     const measured = page.measured();
-    const kinds = bodyKinds(), chosen = state.chosen || [], pair = chosen.length === 2;
-    const partners = new Set(chosen.length === 1 ? listed.flatMap((kind) => page.now()[kind].filter((p) => p.includes(chosen[0])).flat()) : chosen);
+    const shells = new Set(page.contained().map(([a, b]) => (radius(a) > radius(b) ? a : b))); // hold a body inside
+    const kinds = bodyKinds(),
+      chosen = state.chosen || [],
+      pair = chosen.length === 2;
+    const partners = new Set(
+      chosen.length === 1
+        ? listed.flatMap((kind) =>
+            page
+              .now()
+              [kind].filter((p) => p.includes(chosen[0]))
+              .flat(),
+          )
+        : chosen,
+    );
     things.forEach((thing, b) => {
-      const at = place(b), i = 7 * (state.k * data.bodies.length + b);
+      const at = place(b),
+        i = 7 * (state.k * data.bodies.length + b);
       thing.visible = at !== null;
       if (!at) return;
       thing.position.fromArray(at);
       thing.quaternion.set(poses[i + 1], poses[i + 2], poses[i + 3], poses[i]);
-      const mine = chosen.includes(b), kind = pair ? mine && kindOf(chosen) : kinds.get(b);
-      let manner = state.through[b] ? "through" : "solid";
+      const mine = chosen.includes(b),
+        kind = pair ? mine && kindOf(chosen) : kinds.get(b);
+      let manner = state.through[b] ? "through" : shells.has(b) ? "shell" : "solid";
       if (pair) manner = mine ? (data.bodies[b].big ? "through" : "pair") : "faded";
       else if (chosen.length && !partners.has(b) && b !== chosen[0]) manner = state.through[b] ? "through" : "faded";
       else if (state.quiet && !kind) manner = "faded";
       if (manner === "faded" && data.bodies[b].big) manner = "through";
       let color = kind && !(data.bodies[b].big && !mine) ? KINDS[kind].color : NONE;
-      if (pair && mine && b === chosen[1]) color = new THREE.Color(color).lerp(new THREE.Color(0xffffff), 0.45).getHex();
+      if (pair && mine && b === chosen[1])
+        color = new THREE.Color(color).lerp(new THREE.Color(0xffffff), 0.45).getHex();
       thing.material = material(color, manner);
-      wire(thing, mine ? (pair ? "lace" : "strong") : state.edges && manner !== "faded" ? "thin" : manner === "through" ? "sharp" : null);
+      wire(
+        thing,
+        mine
+          ? pair
+            ? "lace"
+            : "strong"
+          : state.edges && manner !== "faded"
+            ? "thin"
+            : manner === "through"
+              ? "sharp"
+              : null,
+      );
     });
     clearMarks();
     if (!pair && !chosen.length) ["fp", "fn"].forEach(links);
     const size = 0.012 * Math.min(...chosen.map(radius));
     if (measured && measured.pairs) marks.add(bars(measured.segments, size, 0x000000));
-    else if (measured && measured.gap && measured.gap.from) marks.add(bars([[measured.gap.from, measured.gap.to]], size, 0x000000));
+    else if (measured && measured.gap && measured.gap.from)
+      marks.add(bars([[measured.gap.from, measured.gap.to]], size, 0x000000));
     draw();
   }
 
   const seen = (p) => root.localToWorld(new THREE.Vector3().fromArray(p));
   function tag(id, body) {
-    const label = $(id), at = body === undefined ? null : place(body);
+    const label = $(id),
+      at = body === undefined ? null : place(body);
     label.hidden = !at || data.bodies[body].big;
     if (label.hidden) return;
     const above = new THREE.Vector3(0, 1, 0).applyQuaternion(camera.quaternion).multiplyScalar(radius(body));
@@ -173,18 +236,23 @@ function makePicture(page) {
   }
   controls.addEventListener("change", draw);
 
-  // A ball about bodies: those of a box from the 2nd to the 98th of a hundred, so that one lost far away does not shrink all.
+  // A ball about bodies, the outermost 2 of 100 along each axis left out: one lost far away does not shrink all.
   function ball(bodies) {
-    const there = bodies.filter((b) => place(b)), low = [0, 0, 0], high = [0, 0, 0];
+    const there = bodies.filter((b) => place(b)),
+      low = [0, 0, 0],
+      high = [0, 0, 0];
     if (!there.length) return { middle: [0, 0, 0], radius: 1 };
-    const cut = there.length > 50 ? Math.floor(there.length / 50) : 0, most = Math.max(...there.map(radius));
+    const cut = there.length > 50 ? Math.floor(there.length / 50) : 0;
     for (let c = 0; c < 3; ++c) {
-      const ends = there.map((b) => place(b)[c]).sort((x, y) => x - y);
-      low[c] = ends[cut] - most;
-      high[c] = ends[ends.length - 1 - cut] + most;
+      const ends = there.map((b) => [place(b)[c] - radius(b), place(b)[c] + radius(b)]);
+      low[c] = ends.map((e) => e[0]).sort((x, y) => x - y)[cut];
+      high[c] = ends.map((e) => e[1]).sort((x, y) => y - x)[cut];
     }
     const half = low.map((x, c) => (high[c] - x) / 2);
-    return { middle: low.map((x, c) => x + half[c]), radius: there.length === 1 ? most : Math.hypot(...half) };
+    return {
+      middle: low.map((x, c) => x + half[c]),
+      radius: there.length === 1 ? radius(there[0]) : Math.hypot(...half),
+    };
   }
 
   const all = data.bodies.map((_, b) => b);
@@ -193,28 +261,39 @@ function makePicture(page) {
     let wanted = bodies.filter((b) => !data.bodies[b].big);
     if (!wanted.some((b) => place(b))) wanted = bodies;
     const { middle, radius } = ball(wanted);
-    const narrow = Math.min(1, camera.aspect), distance = radius / Math.sin((camera.fov / 2) * (Math.PI / 180)) / narrow;
-    const target = seen(middle), direction = camera.position.clone().sub(controls.target).normalize();
+    const narrow = Math.min(1, camera.aspect),
+      distance = radius / Math.sin((camera.fov / 2) * (Math.PI / 180)) / narrow;
+    const target = seen(middle),
+      direction = camera.position.clone().sub(controls.target).normalize();
     if (bodies.length === 2) across(direction, bodies);
-    return { target, position: target.clone().addScaledVector(direction, distance * (bodies.length > 2 ? 0.85 : 1.25)) };
+    return { target, position: target.clone().addScaledVector(direction, distance * (bodies.length > 2 ? 0.8 : 1)) };
   }
 
   // Turns a direction of view so that a gap is seen from its side: two bodies behind one another show nothing.
   function across(direction, [a, b]) {
-    const measured = page.measured(), ends = measured && measured.gap ? [measured.gap.from, measured.gap.to] : [place(a), place(b)];
+    const measured = page.measured(),
+      ends = measured && measured.gap ? [measured.gap.from, measured.gap.to] : [place(a), place(b)];
     if (!ends[0] || !ends[1]) return;
-    const axis = seen(ends[1]).sub(seen(ends[0])).normalize(), aside = direction.clone().addScaledVector(axis, -direction.dot(axis));
-    if (aside.length() < 0.3) aside.set(0, 1, 0).cross(axis).addScaledVector(direction, 0.3).addScaledVector(axis, -0.3 * direction.dot(axis));
+    const axis = seen(ends[1]).sub(seen(ends[0])).normalize(),
+      aside = direction.clone().addScaledVector(axis, -direction.dot(axis));
+    if (aside.length() < 0.3)
+      aside
+        .set(0, 1, 0)
+        .cross(axis)
+        .addScaledVector(direction, 0.3)
+        .addScaledVector(axis, -0.3 * direction.dot(axis));
     if (aside.length() > 1e-3) direction.copy(aside.normalize());
   }
 
   let flight = 0;
   function fly(bodies, at_once = matchMedia("(prefers-reduced-motion: reduce)").matches) {
-    const to = goal(bodies), from = { target: controls.target.clone(), position: camera.position.clone() };
+    const to = goal(bodies),
+      from = { target: controls.target.clone(), position: camera.position.clone() };
     const start = performance.now();
     cancelAnimationFrame(flight);
     const tick = (time) => {
-      const t = at_once ? 1 : Math.min(1, Math.max(0, time - start) / 350), s = t * t * (3 - 2 * t);
+      const t = at_once ? 1 : Math.min(1, Math.max(0, time - start) / 350),
+        s = t * t * (3 - 2 * t);
       controls.target.lerpVectors(from.target, to.target, s);
       camera.position.lerpVectors(from.position, to.position, s);
       controls.update();
@@ -225,7 +304,8 @@ function makePicture(page) {
   }
 
   function resize() {
-    const width = view.clientWidth || 1, height = view.clientHeight || 1;
+    const width = view.clientWidth || 1,
+      height = view.clientHeight || 1;
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
     camera.updateProjectionMatrix();
@@ -235,8 +315,14 @@ function makePicture(page) {
   const ray = new THREE.Raycaster();
   function bodyAt(x, y) {
     const box = renderer.domElement.getBoundingClientRect();
-    ray.setFromCamera(new THREE.Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2), camera);
-    const hits = ray.intersectObjects(things.filter((t) => t.visible), false);
+    ray.setFromCamera(
+      new THREE.Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2),
+      camera,
+    );
+    const hits = ray.intersectObjects(
+      things.filter((t) => t.visible),
+      false,
+    );
     const hit = hits.find((h) => !state.through[h.object.userData.body]) || hits[0]; // what is see-through comes last
     return hit ? hit.object.userData.body : null;
   }
@@ -262,7 +348,8 @@ function makePicture(page) {
 
   // Pixels of the window at which a body's middle is drawn; for tests.
   function pixel(body) {
-    const p = seen(place(body)).project(camera), box = renderer.domElement.getBoundingClientRect();
+    const p = seen(place(body)).project(camera),
+      box = renderer.domElement.getBoundingClientRect();
     return [box.left + ((p.x + 1) / 2) * box.width, box.top + ((1 - p.y) / 2) * box.height];
   }
 

@@ -8,7 +8,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from analysis import labels, pareto
 from analysis.figure import Figure, figure, style, svg_of
 
-NAMED = 24  # more points than this: only the front and the ends of lines are named
+NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
 HEIGHT = 4.7  # inches, without the legend
 MARGIN = {"left": 46, "right": 10, "top": 8, "bottom": 40}  # points
 STRIP = 34  # points: the height of the strip for no error
@@ -40,8 +40,8 @@ def number(value):
 def against(scene, points, cost, key, apart=""):
     """The figure of `points` (some rows of scene.points) over `cost`, a key of COSTS.
 
-    apart: a sentence that says why other points are not here. Points without a cost above 0 cannot stand on a logarithmic
-    axis: the caption names them.
+    apart: a sentence that says why other points are not here. Points without a cost above 0 cannot stand on a
+    logarithmic axis: the caption names them.
     """
     points = points.reset_index(drop=True)
     seen = np.isfinite(points[cost]) & (points[cost] > 0) & np.isfinite(points.error)
@@ -70,7 +70,9 @@ def finding(points, cost):
         return f"{first.label} {least} and is also the {cheapest}, {show(first[cost])}: no other is worth its cost here"
     second = worth[worth.error > best.error].iloc[-1]
     least = "makes no error" if best.error == 0 else f"errs least, {number(best.error)},"
-    words = f"{best.label} {least} at {show(best[cost])}; nothing {cheapest[:-3]}er errs less than {number(second.error)} "
+    words = (
+        f"{best.label} {least} at {show(best[cost])}; nothing {cheapest[:-3]}er errs less than {number(second.error)} "
+    )
     words += f"({second.label}, {show(second[cost])})"
     if first.label != second.label:
         words += f"; the {cheapest}, {first.label} at {show(first[cost])}, errs {number(first.error)}"
@@ -90,8 +92,15 @@ def kinds(scene, key):
         "error": points.error,
     })  # fmt: skip
     drawn = table.iloc[:NAMED]
-    rest = "" if len(drawn) == len(table) else f" The {NAMED} with the smallest error of {len(table)} are drawn, all are below."
-    caption = f"{scene.title}: {len(table)} labels, the smallest error first; {number(met)} pairs truly meet over all steps.{rest}"
+    rest = (
+        ""
+        if len(drawn) == len(table)
+        else f" The {NAMED} with the smallest error of {len(table)} are drawn, all are below."
+    )
+    caption = (
+        f"{scene.title}: {len(table)} labels, the smallest error first; {number(met)} pairs truly meet over all"
+        f" steps.{rest}"
+    )
     missed = drawn["missed (% of what meets)"] if met else drawn["false negatives"]
     invented = drawn["invented (per pair that meets)"] if met else drawn["false positives"]
     fig, (left, right) = figure(1, 2, height=0.75 + 0.2 * max(len(drawn), 3), sharey=True)
@@ -129,17 +138,20 @@ def _kinds_finding(points, met):
 
 def _caption(scene, points, cost):
     run = scene.runs[0]
-    units = "Each algorithm's operations are elementary tests of its own kind (named below); they are the same on every machine."
+    units = (
+        "Each algorithm's operations are elementary tests of its own kind (named below); they are the same on every"
+        " machine."
+    )
     what = "Time is the mean over steps of the fastest repeat, one thread, preparation of bodies included."
     machines = " ".join(f"Timed on {machine}." for machine in dict.fromkeys(points.machine)) if len(points) else ""
     configs = ", ".join(dict.fromkeys(f"{r.meta.get('config_sha256', '?')[:12]}" for r in scene.runs))
     commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
     hits = int(run.truth_hits.sum())
     return (
-        f"{scene.title}: {len(points)} labels, {number(run.meta['steps'])} steps, {len(run.meta['bodies'])} bodies, {number(hits)} "
-        f"pairs truly meet over all steps. Down and to the left is better; the dashed line is the Pareto front: nothing below it "
-        f"is cheaper. {what if cost == 'time_mean_ns' else units} Configuration {configs}, motion and truth of commit {commits}. "
-        + (machines if cost == "time_mean_ns" else "")
+        f"{scene.title}: {len(points)} labels, {number(run.meta['steps'])} steps, {len(run.meta['bodies'])} bodies,"
+        f" {number(hits)} pairs truly meet over all steps. Down and to the left is better; the dashed line is the"
+        f" Pareto front: nothing below it is cheaper. {what if cost == 'time_mean_ns' else units} Configuration"
+        f" {configs}, motion and truth of commit {commits}. " + (machines if cost == "time_mean_ns" else "")
     ).strip()
 
 
@@ -170,11 +182,15 @@ def _draw(points, cost):
     legend = _legend(points, crowded, lines, joined)
     rows = -(-len(legend) // 3)
     below = MARGIN["bottom"] + 13 * rows + 4
-    fig, (main, strip) = figure(2, height=HEIGHT + 0.7 * crowded + 13 * rows / 72, sharex=True, constrained_layout=False)
+    fig, (main, strip) = figure(
+        2, height=HEIGHT + 0.7 * crowded + 13 * rows / 72, sharex=True, constrained_layout=False
+    )
     width, height = (size * 72 for size in fig.get_size_inches())
     left, right = MARGIN["left"] / width, 1 - MARGIN["right"] / width
     strip.set_position([left, below / height, right - left, STRIP / height])
-    main.set_position([left, (below + STRIP + 6) / height, right - left, (height - below - STRIP - 6 - MARGIN["top"]) / height])
+    main.set_position(
+        [left, (below + STRIP + 6) / height, right - left, (height - below - STRIP - 6 - MARGIN["top"]) / height]
+    )
     _axes(main, strip, points, cost)
 
     titles = {}
@@ -185,15 +201,27 @@ def _draw(points, cost):
         size = 5 if crowded else 7
         if look["marker"] == "*":
             size += 3
-        mark = {"color": look["color"], "marker": look["marker"], "markersize": size, "linestyle": "none", "clip_on": False}
+        mark = {
+            "color": look["color"],
+            "marker": look["marker"],
+            "markersize": size,
+            "linestyle": "none",
+            "clip_on": False,
+        }
         mark |= {"markerfacecolor": "white" if point.scope == "scene" else look["color"], "zorder": 4}
         mark |= {"markeredgewidth": 1.5 if point.scope == "scene" else 0.4}
         mark |= {} if point.scope == "scene" else {"markeredgecolor": "white"}
         titles[f"mark{row}"] = f"{point.label}: error {number(point.error)}, {show(point[cost])}"
         axes.plot([point[cost]], [y], gid=f"mark{row}", **mark)
-        if point.exact or point.library:
-            ring = {"marker": "o" if point.exact else "s", "markersize": size + 6, "markerfacecolor": "none", "clip_on": False}
-            axes.plot([point[cost]], [y], **ring, markeredgecolor="#333333", markeredgewidth=1, linestyle="none", zorder=3)
+        for marked, shape, wider in ((point.exact, "o", 6), (point.library, "s", 9)):
+            if marked:
+                ring = {
+                    "marker": shape,
+                    "markersize": size + wider,
+                    "markerfacecolor": "none",
+                    "markeredgecolor": "#333333",
+                }
+                axes.plot([point[cost]], [y], **ring, markeredgewidth=1, linestyle="none", clip_on=False, zorder=3)
 
     drawn = []
     for algorithm, _, rows in lines:
@@ -203,8 +231,19 @@ def _draw(points, cost):
     drawn += _front(main, strip, points, cost)
     _name(fig, main, strip, points, cost, drawn, crowded, lines, joined)
     if legend:
-        fig.legend(handles=legend, loc="lower left", bbox_to_anchor=(0, 0), ncol=3, frameon=False, fontsize=TEXT, handletextpad=0.5,
-                   columnspacing=1.2, labelspacing=0.35, borderaxespad=0.3, handlelength=1.8)  # fmt: skip
+        fig.legend(
+            handles=legend,
+            loc="lower left",
+            bbox_to_anchor=(0, 0),
+            ncol=3,
+            frameon=False,
+            fontsize=TEXT,
+            handletextpad=0.5,
+            columnspacing=1.2,
+            labelspacing=0.35,
+            borderaxespad=0.3,
+            handlelength=1.8,
+        )
     return svg_of(fig, titles)
 
 
@@ -234,7 +273,16 @@ def _axes(main, strip, points, cost):
     strip.set_facecolor("#F1F6F1")
     strip.set_xlabel(COSTS[cost], labelpad=3)
     if not (len(points) and (points.error == 0).any()):
-        strip.text(0.99, 0.5, "none is without error", transform=strip.transAxes, ha="right", va="center", fontsize=TEXT, color="#555555")
+        strip.text(
+            0.99,
+            0.5,
+            "none is without error",
+            transform=strip.transAxes,
+            ha="right",
+            va="center",
+            fontsize=TEXT,
+            color="#555555",
+        )
 
 
 def _short(value):
@@ -287,27 +335,42 @@ def _front(main, strip, points, cost):
 def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
     named = set(points.index)
     if crowded:
-        ends = [rows[end] for _, _, rows in lines for end in (0, -1)] + [rows[end] for _, rows in joined for end in (0, -1)]
-        named = set(points.index[points.front]) | set(ends)
+        ends = [rows[end] for _, _, rows in lines for end in (0, -1)] + [
+            rows[end] for _, rows in joined for end in (0, -1)
+        ]
+        named = set(points.index[points.front | points.exact | points.library]) | set(ends)
     if not named:
         return
-    pixels = np.array([(strip.transData.transform((p[cost], 0)) if p.error == 0 else main.transData.transform((p[cost], p.error)))
-                       for _, p in points.iterrows()])  # fmt: skip
+    places = [
+        (strip if error == 0 else main).transData.transform((x, error)) for x, error in zip(points[cost], points.error)
+    ]
+    pixels = np.array(places)
     segments = [(*main.transData.transform(s[:2]), *main.transData.transform(s[2:])) for s in drawn]
     rows = sorted(named, key=lambda row: (not points.front[row], row))
     weights = ["bold" if points.front[row] else "normal" for row in rows]
     sizes = np.array([labels.size(points.label[row], TEXT, weight) for row, weight in zip(rows, weights)])
     box, under = main.get_window_extent(), strip.get_window_extent()
     region = (box.x0 + 2, under.y0 + 1, box.x1 + 6, box.y1 + 4)
-    radius = 4.0 if crowded else 5.0
-    corners = labels.place(pixels[rows], sizes, region, pixels, segments, radius)
+    radii = (4.0 if crowded else 5.0) + 2.5 * points.exact.to_numpy() + 2.5 * points.library.to_numpy()
+    corners = labels.place(rows, sizes, region, pixels, radii, segments)
     to_figure = fig.transFigure.inverted()
     for row, corner, extent, weight in zip(rows, corners, sizes, weights):
         if np.isnan(corner).any():
             continue  # no room: its numbers are in the table, its name under the pointer
         x, y = to_figure.transform(corner)
-        fig.text(x, y, points.label[row], fontsize=TEXT, fontweight=weight, color="#111111", va="bottom", ha="left", zorder=6, gid="halo")
-        line = labels.leader(corner, extent, pixels[row], radius)
+        fig.text(
+            x,
+            y,
+            points.label[row],
+            fontsize=TEXT,
+            fontweight=weight,
+            color="#111111",
+            va="bottom",
+            ha="left",
+            zorder=6,
+            gid="halo",
+        )
+        line = labels.leader(corner, extent, pixels[row], radii[row])
         if line:
             ends = to_figure.transform([line[:2], line[2:]])
             fig.add_artist(Line2D(*ends.T, color="#888888", linewidth=0.6, zorder=1.5))
@@ -331,9 +394,17 @@ def _legend(points, crowded, lines, joined):
     if (points.scope == "scene").any():
         found.append(entry("hollow: whole scene", marker="o", markerfacecolor="white", markeredgewidth=1.5))
     if points.exact.any():
-        found.append(entry("ring: promises exactness", marker="o", markersize=10, markerfacecolor="none", markeredgecolor="#333333"))
+        found.append(
+            entry(
+                "ring: promises exactness", marker="o", markersize=8, markerfacecolor="none", markeredgecolor="#333333"
+            )
+        )
     if points.library.any():
-        found.append(entry("square: another library", marker="s", markersize=10, markerfacecolor="none", markeredgecolor="#333333"))
+        found.append(
+            entry(
+                "square: another library", marker="s", markersize=8, markerfacecolor="none", markeredgecolor="#333333"
+            )
+        )
     found.append(entry("Pareto front (bold names)", linestyle=(0, (4, 2)), linewidth=1, color="#333333"))
     if lines:
         found.append(entry("one knob, all else equal", linestyle="-", linewidth=1.3))

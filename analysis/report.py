@@ -25,6 +25,32 @@ SUMMARY = {  # column of the summary -> its head
 }
 
 
+WORDS = """
+pair: Two bodies, not both fixed. Every algorithm answers every pair at every step.
+hit: A pair that an algorithm reports.
+truth: Two bodies meet when some triangle of one meets some triangle of the other; triangles are closed sets, so
+    touching counts. Decided with exact predicates for the world vertices ((r0 x + r1 y) + r2 z) + t as rounded in
+    IEEE doubles.
+contained: A body wholly inside another meets it not by surface. If the configuration records such pairs, hits on them
+    are counted apart, neither right nor wrong; with containment = "meet" they belong to the truth.
+true positive (TP): A hit on a pair that truly meets.
+false positive (FP): A hit on a pair that does not meet: invented.
+false negative (FN): A pair that meets and is not reported: missed.
+error: (FP + FN) / (TP + FP + FN) over all pairs and steps; 0 when the denominator is 0. True negatives are left out
+    on purpose: nearly all pairs are far apart and would make every method look perfect.
+precision, recall: TP / (TP + FP): how many hits are right. TP / (TP + FN): how many meeting pairs are found.
+Matthews: Matthews' correlation coefficient of reported and true, over all pairs: 1 is perfect, 0 is guessing.
+time: One thread, a monotonic clock around an algorithm's own work for one step: what depends on one body, then all
+    pairs. The fastest of the repeats. Times compare within one machine and build only.
+operations: The elementary tests an algorithm really made, its cheap rejections and its prefilter's included: a cost
+    that is the same on every machine.
+promise: conservative: never misses a pair that truly meets; exact: neither misses nor invents; none. A miss that
+    vanishes when boxes and radii grow by 2^-40 of their size is rounding and breaks nothing.
+scope: A pairwise method visits every pair; a whole-scene method has a broad phase of its own and is drawn hollow.
+Pareto front: The labels for which no other is at most as costly and at most as wrong, and better in one of the two.
+"""  # one a line, its further lines indented
+
+
 def report(runs):
     """The HTML of a report on `runs`, a list of Run; the same files give the same bytes."""
     titles = " / ".join(dict.fromkeys(pareto.title(run) for run in runs))
@@ -47,14 +73,17 @@ def lead(runs, found):
     """What was run, in a line each."""
     labels = sum(len(scene.points) for scene in found)
     lines = [
-        f"How often {labels} approximate collision tests between triangle meshes err, judged by exact answers, and what they cost."
+        f"How often {labels} approximate collision tests between triangle meshes err, judged by exact answers, and what"
+        " they cost."
     ]
     for run in runs:
         meta = run.meta
         machine = " on ".join(filter(None, (meta["run"].get("processor"), meta["run"].get("host"))))
         made = f"{meta.get('build_type', '')} build of commit {meta.get('git_commit', '?')[:7]}"
         what = f"{number(meta['steps'])} steps of {len(meta['bodies'])} bodies, {len(meta['algorithms'])} labels"
-        lines.append(", ".join(filter(None, [f"{pareto.title(run)} ({pareto.name(run)}): {what}", made, machine, meta["run"].get("date", "")[:10]])))
+        what = what if run.study is None else f"{len(run.study)} cases of a study of integrators"
+        title = f"{pareto.title(run)} ({pareto.name(run)}): {what}"
+        lines.append(", ".join(filter(None, (title, made, machine, meta["run"].get("date", "")[:10]))))
     return lines
 
 
@@ -63,7 +92,9 @@ def warnings(runs, found):
     lines = []
     for run in runs:
         name, meta = pareto.name(run), run.meta
-        builds = {meta.get("build_type", "")} | {answers.get("build", "").partition(" ")[2] for answers in meta["answers"].values()}
+        builds = {meta.get("build_type", "")} | {
+            answers.get("build", "").partition(" ")[2] for answers in meta["answers"].values()
+        }
         if any("debug" in build.lower() for build in builds):
             lines.append(f"{name}: a debug build timed this; its times mean nothing.")
         if "dirty" in meta.get("git_commit", ""):
@@ -71,7 +102,12 @@ def warnings(runs, found):
         if "openblas" in meta.get("library_versions", "").lower():
             lines.append(f"{name}: simulated with OpenBLAS; another kind of processor may move otherwise.")
         if run.physics is not None and run.physics.attrs["status"] != "complete":
-            lines.append(f"{name}: the integration {_sentence(run.physics.attrs['status'])} From there on nothing moves and nothing meets.")
+            lines.append(
+                f"{name}: the integration {_sentence(run.physics.attrs['status'])} From there on nothing moves and"
+                " nothing meets."
+            )
+        if run.study is not None:
+            continue  # what follows is asked of scenes
         if not len(meta["algorithms"]):
             lines.append(f"{name}: no algorithm has answered; `pipeline detect` adds answers to the file.")
         elif not len(run.summary.columns):
@@ -93,8 +129,8 @@ def warnings(runs, found):
         machines = list(dict.fromkeys(scene.points.machine))
         if len(machines) > 1:
             lines.append(
-                f"{scene.title}: timed on {len(machines)} different machines or builds ({'; '.join(machines)}). Their times are drawn "
-                "apart; errors and operations compare."
+                f"{scene.title}: timed on {len(machines)} different machines or builds ({'; '.join(machines)}). Their"
+                " times are drawn apart; errors and operations compare."
             )
     return lines
 
@@ -114,9 +150,11 @@ def _has(run, group):
 
 
 def error_against_cost(runs, found):
-    parts = ["Each mark is one algorithm with its settings. Its height is the share of wrong answers among all answers that matter, its "
-             "place to the right is what it costs. Whoever wants fewer errors must pay along the dashed front; what is above it is "
-             "never the best choice on this scene."]  # fmt: skip
+    parts = [
+        "Each mark is one algorithm with its settings. Its height is the share of wrong answers among all answers that"
+        " matter, its place to the right is what it costs. Whoever wants fewer errors must pay along the dashed front;"
+        " what is above it is never the best choice on this scene."
+    ]
     if not found:
         parts = ["There is nothing to draw: no file has answers of an algorithm."]
     if len(found) > 1:
@@ -146,7 +184,9 @@ def summary(runs, found):
                 if column in ("false_positive", "false_negative", "contained_hit", "hits"):
                     frame[head] = frame[head].astype("Int64")
         frame["promise"] = [_promise(point) for point in points.itertuples()]
-        frame["on the front"] = pareto.front(points.time_mean_ns.fillna(float("inf")), points.error.fillna(float("inf")))
+        frame["on the front"] = pareto.front(
+            points.time_mean_ns.fillna(float("inf")), points.error.fillna(float("inf"))
+        )
         machines = {machine: chr(ord("A") + number) for number, machine in enumerate(dict.fromkeys(points.machine))}
         timed = "Front: of error against mean time."
         if len(machines) > 1:
@@ -156,12 +196,16 @@ def summary(runs, found):
             timed = f"Timed on {timed}. Times of different letters do not compare."
         hits = number(int(scene.runs[0].truth_hits.sum()))
         caption = (
-            f"{len(points)} labels; counts are sums over {number(scene.runs[0].meta['steps'])} steps, in which {hits} pairs truly meet. Times are per step, "
-            f"the fastest repeat of each. A dash stands for 0/0. {timed}"
+            f"{len(points)} labels; counts are sums over {number(scene.runs[0].meta['steps'])} steps, in which"
+            f" {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. {timed}"
         )
         parts.append(Table(scene.title, frame, caption))
-        knobs = [(p.label, p.algorithm, json.dumps(p.knobs) if p.knobs else "none", p.unit) for p in points.itertuples()]
-        lines = "\n".join(f"{label}: {algorithm}, knobs {text}, operations are {unit}" for label, algorithm, text, unit in knobs)
+        knobs = [
+            (p.label, p.algorithm, json.dumps(p.knobs) if p.knobs else "none", p.unit) for p in points.itertuples()
+        ]
+        lines = "\n".join(
+            f"{label}: {algorithm}, knobs {text}, operations are {unit}" for label, algorithm, text, unit in knobs
+        )
         parts.append(Text(f"Settings of the {len(points)} labels", lines))
     return Section("Summary", parts or ["No file has a summary of algorithms."])
 
@@ -173,31 +217,9 @@ def _promise(point):
 
 
 def definitions():
-    rows = [
-        ("pair", "Two bodies, not both fixed. Every algorithm answers every pair at every step."),
-        ("hit", "A pair that an algorithm reports."),
-        ("truth", "Two bodies meet when some triangle of one meets some triangle of the other; triangles are closed sets, so touching "
-                  "counts. Decided with exact predicates for the world vertices ((r0 x + r1 y) + r2 z) + t as rounded in IEEE doubles."),
-        ("contained", "A body wholly inside another meets it not by surface. If the configuration records such pairs, hits on them are "
-                      "counted apart, neither right nor wrong; with containment = \"meet\" they belong to the truth."),
-        ("true positive (TP)", "A hit on a pair that truly meets."),
-        ("false positive (FP)", "A hit on a pair that does not meet: invented."),
-        ("false negative (FN)", "A pair that meets and is not reported: missed."),
-        ("error", "(FP + FN) / (TP + FP + FN) over all pairs and steps; 0 when the denominator is 0. True negatives are left out on "
-                  "purpose: nearly all pairs are far apart and would make every method look perfect."),
-        ("precision, recall", "TP / (TP + FP): how many hits are right. TP / (TP + FN): how many meeting pairs are found."),
-        ("Matthews", "Matthews' correlation coefficient of reported and true, over all pairs: 1 is perfect, 0 is guessing."),
-        ("time", "One thread, a monotonic clock around an algorithm's own work for one step: what depends on one body, then all pairs. "
-                 "The fastest of the repeats. Times compare within one machine and build only."),
-        ("operations", "The elementary tests an algorithm really made, its cheap rejections and its prefilter's included: a cost that "
-                       "is the same on every machine."),
-        ("promise", "conservative: never misses a pair that truly meets; exact: neither misses nor invents; none. A miss that vanishes "
-                    "when boxes and radii grow by 2^-40 of their size is rounding and breaks nothing."),
-        ("scope", "A pairwise method visits every pair; a whole-scene method has a broad phase of its own and is drawn hollow."),
-        ("Pareto front", "The labels for which no other is at most as costly and at most as wrong, and better in one of the two."),
-    ]  # fmt: skip
-    table = Table("Words", pd.DataFrame(rows, columns=["word", "what it means here"]), "As in the file, the configuration and README.")
-    return Section("What is measured", [table])
+    lines = WORDS.strip().replace("\n    ", " ").splitlines()
+    frame = pd.DataFrame([line.split(": ", 1) for line in lines], columns=["word", "what it means here"])
+    return Section("What is measured", [Table("Words", frame, "As in the file, the configuration and README.")])
 
 
 def provenance(runs):
@@ -209,8 +231,13 @@ def provenance(runs):
     frame = frame[(frame != "").any(axis=1)]
     frame.index.name = "file"
     caption = "The digest covers everything but times and names of machines: equal digests are equal results."
-    texts = [Text(f"Configuration of {pareto.name(run)}, after defaults and --set", run.meta["config_effective"]) for run in runs]
-    return Section("What was run", [Table("Results, builds and machines", frame, caption), *(text for text in texts if text.text)])
+    texts = [
+        Text(f"Configuration of {pareto.name(run)}, after defaults and --set", run.meta["config_effective"])
+        for run in runs
+    ]
+    return Section(
+        "What was run", [Table("Results, builds and machines", frame, caption), *(text for text in texts if text.text)]
+    )
 
 
 def _provenance(run):
@@ -221,12 +248,18 @@ def _provenance(run):
     containment = meta["truth"].get("containment", "ignore")
     return {
         "title": meta.get("title", ""),
-        "steps": f"{number(meta['steps'])} at {meta['rate']:g} per second" if meta["rate"] == meta["rate"] else str(meta["steps"]),
+        "steps": (
+            f"{number(meta['steps'])} at {meta['rate']:g} per second"
+            if meta["rate"] == meta["rate"]
+            else str(meta["steps"])
+        ),
         "bodies": str(len(meta["bodies"])),
         "pairs that meet": f"{number(int(run.truth_hits.sum()))} over all steps",
         "containment": containment,
         "algorithms": str(len(meta["algorithms"])),
-        "integration": run.physics.attrs["status"] if run.physics is not None else "none: the motion is scripted or replayed",
+        "integration": (
+            run.physics.attrs["status"] if run.physics is not None else "none: the motion is scripted or replayed"
+        ),
         "made by": meta.get("creator", ""),
         "commit": meta.get("git_commit", ""),
         "build": f"{meta.get('build_type', '')}, {meta.get('compiler', '')}, {meta.get('flags', '')}",

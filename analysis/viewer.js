@@ -1,4 +1,4 @@
-// The page of a step: reads the data that viewer.py put into the page, draws with three.js, lists right and wrong answers.
+// The page of a step: its state, its lists of right and wrong answers, and what buttons and keys do.
 // Without WebGL the lists, the time line and the figures work all the same.
 "use strict";
 
@@ -9,54 +9,29 @@
   // Okabe and Ito's colours, told apart by colour-blind readers; the letters and the dashes say the same.
   const KINDS = {
     fn: { sign: "FN", name: "false negative", many: "False negatives", color: 0xd55e00, about: "meet, but are missed" },
-    fp: { sign: "FP", name: "false positive", many: "False positives", color: 0x0072b2, about: "reported, but do not meet" },
-    inside: { sign: "in", name: "contained", many: "Contained", color: 0xb0588c, about: "one wholly inside the other; not scored" },
+    fp: {
+      sign: "FP",
+      name: "false positive",
+      many: "False positives",
+      color: 0x0072b2,
+      about: "reported, but do not meet",
+    },
+    inside: {
+      sign: "in",
+      name: "contained",
+      many: "Contained",
+      color: 0xb0588c,
+      about: "one wholly inside the other; not scored",
+    },
     tp: { sign: "TP", name: "true positive", many: "True positives", color: 0x009e73, about: "meet, and are reported" },
   };
   const NONE = 0xb9c0c9;
   const MOST_ROWS = 300;
 
-  // ---- data
-
-  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
-  const Ends = data.wide ? Uint32Array : Uint16Array;
-
-  // Lists of pairs, one per step of the window.
-  function lists(packed) {
-    const offset = new Uint32Array(bytes(packed.offset)), ends = new Ends(bytes(packed.pair));
-    return {
-      count: (k) => offset[k + 1] - offset[k],
-      at: (k) => Array.from({ length: offset[k + 1] - offset[k] }, (_, i) => [ends[2 * (offset[k] + i)], ends[2 * (offset[k] + i) + 1]]),
-    };
-  }
-
-  const key = (pair) => pair[0] + "-" + pair[1];
-  const keys = (pairs) => new Set(pairs.map(key));
-  const truth = lists(data.truth), contained = lists(data.contained);
-  const algorithms = data.algorithms.map((a) => ({ ...a, fp: lists(a.fp), fn: lists(a.fn), inside: lists(a.inside) }));
-  const poses = new Float32Array(bytes(data.poses));
-  const meshes = data.meshes.map((mesh) => ({
-    ...mesh,
-    vertices: new Float32Array(bytes(mesh.vertices)),
-    index: new Uint32Array(bytes(mesh.triangles)),
-  }));
-  for (const mesh of meshes) {
-    let most = 0;
-    for (let i = 0; i < mesh.vertices.length; i += 3)
-      most = Math.max(most, Math.hypot(mesh.vertices[i], mesh.vertices[i + 1], mesh.vertices[i + 2]));
-    mesh.radius = most;
-  }
+  const { key, keys, truth, contained, algorithms, poses, meshes, answers } = decoded(data);
   const radius = (body) => meshes[data.bodies[body].mesh].radius;
   const name = (body) => data.bodies[body].name;
   const listed = data.containment === "record" ? ["fn", "fp", "inside", "tp"] : ["fn", "fp", "tp"];
-
-  // What is so at step k of the window for the algorithm: lists of pairs by kind.
-  function answers(k, algorithm) {
-    const real = truth.at(k);
-    if (!algorithm) return { fn: [], fp: [], tp: real, inside: contained.at(k) };
-    const fn = algorithm.fn.at(k), missed = keys(fn);
-    return { fn, fp: algorithm.fp.at(k), tp: real.filter((p) => !missed.has(key(p))), inside: data.containment === "record" ? contained.at(k) : [] };
-  }
 
   // x y z of the middle of the body's mesh, in drawn coordinates; null when it is not there.
   function place(body, k = state.k) {
@@ -65,16 +40,25 @@
   }
 
   function turn(body, v, k = state.k) {
-    const i = 7 * (k * data.bodies.length + body), [w, x, y, z] = poses.subarray(i, i + 4);
-    const a = 2 * (y * v[2] - z * v[1]), b = 2 * (z * v[0] - x * v[2]), c = 2 * (x * v[1] - y * v[0]);
+    const i = 7 * (k * data.bodies.length + body),
+      [w, x, y, z] = poses.subarray(i, i + 4);
+    const a = 2 * (y * v[2] - z * v[1]),
+      b = 2 * (z * v[0] - x * v[2]),
+      c = 2 * (x * v[1] - y * v[0]);
     return [v[0] + w * a + y * c - z * b, v[1] + w * b + z * a - x * c, v[2] + w * c + x * b - y * a];
   }
 
   // The body as measure() takes it.
   function solid(body) {
-    const { vertices, index } = meshes[data.bodies[body].mesh], p = place(body), seen = new Map();
+    const { vertices, index } = meshes[data.bodies[body].mesh],
+      p = place(body),
+      seen = new Map();
     const vertex = (i) => {
-      if (!seen.has(i)) seen.set(i, turn(body, vertices.subarray(3 * i, 3 * i + 3)).map((x, c) => x + p[c]));
+      if (!seen.has(i))
+        seen.set(
+          i,
+          turn(body, vertices.subarray(3 * i, 3 * i + 3)).map((x, c) => x + p[c]),
+        );
       return seen.get(i);
     };
     return { index, vertex };
@@ -84,7 +68,10 @@
 
   const state = {
     k: data.step - data.first,
-    algorithm: Math.max(0, data.algorithms.findIndex((a) => a.label === data.chosen)),
+    algorithm: Math.max(
+      0,
+      data.algorithms.findIndex((a) => a.label === data.chosen),
+    ),
     chosen: null, // null, [body] or [a, b]
     through: data.bodies.map((body) => body.big), // drawn see-through
     edges: false,
@@ -113,16 +100,19 @@
 
   function element(tag, attributes = {}, ...children) {
     const made = document.createElement(tag);
-    for (const [k, v] of Object.entries(attributes)) k.startsWith("on") ? made.addEventListener(k.slice(2), v) : made.setAttribute(k, v);
+    for (const [k, v] of Object.entries(attributes))
+      k.startsWith("on") ? made.addEventListener(k.slice(2), v) : made.setAttribute(k, v);
     made.append(...children);
     return made;
   }
   const sign = (kind) => element("span", { class: "sign " + (kind || "none") }, kind ? KINDS[kind].sign : "");
-  const number = (x) => (Math.abs(x) < 1e-3 || Math.abs(x) >= 1e6) && x !== 0 ? x.toExponential(3) : String(Number(x.toPrecision(6)));
+  const number = (x) =>
+    (Math.abs(x) < 1e-3 || Math.abs(x) >= 1e6) && x !== 0 ? x.toExponential(3) : String(Number(x.toPrecision(6)));
 
   function row(pair, kind, text) {
     const attributes = { "data-pair": key(pair), onclick: () => choose(pair, true) };
-    if (state.chosen && state.chosen.length === 2 && key(state.chosen) === key(pair)) attributes["aria-current"] = "true";
+    if (state.chosen && state.chosen.length === 2 && key(state.chosen) === key(pair))
+      attributes["aria-current"] = "true";
     return element("li", {}, element("button", attributes, sign(kind), text));
   }
 
@@ -132,14 +122,41 @@
     const inside = keys(contained.at(state.k));
     $("lists").replaceChildren(
       ...listed.map((kind) => {
-        const pairs = now[kind], details = element("details", open[kind] ? { open: "" } : {});
-        details.addEventListener("toggle", () => (open[kind] = details.open));
+        const pairs = now[kind],
+          details = element("details", open[kind] ? { open: "" } : {});
+        details.addEventListener("toggle", () => {
+          if (open[kind] === details.open) return;
+          open[kind] = details.open; // the rows of a closed list are not made: they cost most of a step
+          showLists();
+        });
         details.append(element("summary", {}, sign(kind), `${KINDS[kind].many}: ${pairs.length}`));
-        if (!pairs.length) details.append(element("div", { class: "soft" }, `no pairs that ${kind === "fp" || kind === "inside" ? "are " : ""}${KINDS[kind].about}`));
+        if (!open[kind]) return details;
+        if (!pairs.length)
+          details.append(
+            element(
+              "div",
+              { class: "soft" },
+              `no pairs that ${kind === "fp" || kind === "inside" ? "are " : ""}${KINDS[kind].about}`,
+            ),
+          );
         const reported = kind === "inside" && algorithm() ? keys(algorithm().inside.at(state.k)) : null;
-        const note = (p) => (reported ? (reported.has(key(p)) ? " (reported)" : " (not reported)") : inside.has(key(p)) ? " (one inside the other)" : "");
-        details.append(element("ul", {}, ...pairs.slice(0, MOST_ROWS).map((p) => row(p, kind, `${name(p[0])} – ${name(p[1])}${note(p)}`))));
-        if (pairs.length > MOST_ROWS) details.append(element("div", { class: "soft" }, `and ${pairs.length - MOST_ROWS} more`));
+        const note = (p) =>
+          reported
+            ? reported.has(key(p))
+              ? " (reported)"
+              : " (not reported)"
+            : inside.has(key(p))
+              ? " (one inside the other)"
+              : "";
+        details.append(
+          element(
+            "ul",
+            {},
+            ...pairs.slice(0, MOST_ROWS).map((p) => row(p, kind, `${name(p[0])} – ${name(p[1])}${note(p)}`)),
+          ),
+        );
+        if (pairs.length > MOST_ROWS)
+          details.append(element("div", { class: "soft" }, `and ${pairs.length - MOST_ROWS} more`));
         return details;
       }),
     );
@@ -150,7 +167,11 @@
   }
 
   function table(rows) {
-    return element("table", {}, ...rows.map(([what, value]) => element("tr", {}, element("td", {}, what), element("td", {}, value))));
+    return element(
+      "table",
+      {},
+      ...rows.map(([what, value]) => element("tr", {}, element("td", {}, what), element("td", {}, value))),
+    );
   }
 
   function showChosen() {
@@ -161,8 +182,12 @@
   }
 
   function aboutBody(body) {
-    const { mesh, fixed, born } = data.bodies[body], at = place(body);
-    const rows = [["mesh", `${meshes[mesh].name}, ${meshes[mesh].index.length / 3} triangles`], ["body", `number ${body}${fixed ? ", fixed" : ""}`]];
+    const { mesh, fixed, born } = data.bodies[body],
+      at = place(body);
+    const rows = [
+      ["mesh", `${meshes[mesh].name}, ${meshes[mesh].index.length / 3} triangles`],
+      ["body", `number ${body}${fixed ? ", fixed" : ""}`],
+    ];
     if (at) {
       const off = turn(body, meshes[mesh].centre); // the pose's position is that of the mesh's origin
       rows.push(["position", at.map((x, c) => number(x + data.centre[c] - off[c])).join("  ") + " m"]);
@@ -172,25 +197,64 @@
     return [
       element("strong", {}, name(body)),
       table(rows),
-      element("div", { class: "soft" }, partners.length ? `In ${partners.length} pair${partners.length > 1 ? "s" : ""} at this step, with:` : "In no pair at this step."),
-      element("ul", {}, ...partners.slice(0, MOST_ROWS).map(([p, kind]) => row(p, kind, name(p[0] === body ? p[1] : p[0])))),
-      element("div", { class: "row" }, element("button", { onclick: () => fly([body]) }, "Come near"), throughButton(body), letGo()),
+      element(
+        "div",
+        { class: "soft" },
+        partners.length
+          ? `In ${partners.length} pair${partners.length > 1 ? "s" : ""} at this step, with:`
+          : "In no pair at this step.",
+      ),
+      element(
+        "ul",
+        {},
+        ...partners.slice(0, MOST_ROWS).map(([p, kind]) => row(p, kind, name(p[0] === body ? p[1] : p[0]))),
+      ),
+      element(
+        "div",
+        { class: "row" },
+        element("button", { onclick: () => fly([body]) }, "Come near"),
+        throughButton(body),
+        letGo(),
+      ),
     ];
   }
 
   const letGo = () => element("button", { onclick: () => choose(null) }, "Let go");
   function throughButton(body) {
-    return element("button", { "aria-pressed": String(state.through[body]), onclick: () => seeThrough(body) }, "See through");
+    return element(
+      "button",
+      { "aria-pressed": String(state.through[body]), onclick: () => seeThrough(body) },
+      "See through",
+    );
   }
 
   function aboutPair(pair) {
-    const kind = kindOf(pair), [a, b] = pair, rows = [];
+    const kind = kindOf(pair),
+      [a, b] = pair,
+      rows = [];
     const here = place(a) && place(b);
-    const head = element("div", { style: "display:flex;gap:7px;align-items:center" }, sign(kind), element("strong", {}, `${name(a)} – ${name(b)}`));
-    const met = keys(truth.at(state.k)).has(key(pair)), within = keys(contained.at(state.k)).has(key(pair));
-    rows.push(["truth", !here ? "not both are there at this step" : within ? "one lies inside the other" : met ? "they meet" : "they do not meet"]);
-    if (measured && measured.pairs) rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn in black`]);
-    else if (measured && measured.gap) rows.push(["surfaces", `${number(measured.gap.distance)} m apart${within ? " (inside)" : ""}, drawn in black`]);
+    const head = element(
+      "div",
+      { style: "display:flex;gap:7px;align-items:center" },
+      sign(kind),
+      element("strong", {}, `${name(a)} – ${name(b)}`),
+    );
+    const met = keys(truth.at(state.k)).has(key(pair)),
+      within = keys(contained.at(state.k)).has(key(pair));
+    rows.push([
+      "truth",
+      !here
+        ? "not both are there at this step"
+        : within
+          ? "one lies inside the other"
+          : met
+            ? "they meet"
+            : "they do not meet",
+    ]);
+    if (measured && measured.pairs)
+      rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn in black`]);
+    else if (measured && measured.gap)
+      rows.push(["surfaces", `${number(measured.gap.distance)} m apart${within ? " (inside)" : ""}, drawn in black`]);
     for (const one of algorithms) {
       if (!here) break;
       const has = (list) => keys(list.at(state.k)).has(key(pair));
@@ -201,8 +265,14 @@
     return [
       head,
       table(rows),
-      element("div", { class: "row" }, element("button", { onclick: () => fly(pair) }, "Come near"),
-        element("button", { onclick: () => choose([a]) }, name(a)), element("button", { onclick: () => choose([b]) }, name(b)), letGo()),
+      element(
+        "div",
+        { class: "row" },
+        element("button", { onclick: () => fly(pair) }, "Come near"),
+        element("button", { onclick: () => choose([a]) }, name(a)),
+        element("button", { onclick: () => choose([b]) }, name(b)),
+        letGo(),
+      ),
     ];
   }
 
@@ -228,7 +298,9 @@
     cancelAnimationFrame(timer);
     if (!on) return;
     if (state.k === data.count - 1) go(0);
-    const from = state.k, start = performance.now(), pace = Number($("speed").value) * data.rate / 1000;
+    const from = state.k,
+      start = performance.now(),
+      pace = (Number($("speed").value) * data.rate) / 1000;
     const tick = (time) => {
       const k = Math.min(data.count - 1, from + Math.floor(Math.max(0, time - start) * pace));
       if (k !== state.k) go(k);
@@ -240,17 +312,24 @@
 
   // False negatives upwards, false positives downwards, one column a step.
   function showStrip() {
-    const canvas = $("strip"), ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
+    const canvas = $("strip"),
+      ratio = window.devicePixelRatio || 1,
+      width = canvas.clientWidth,
+      height = canvas.clientHeight;
     canvas.width = Math.max(1, width * ratio);
     canvas.height = Math.max(1, height * ratio);
     const draw = canvas.getContext("2d");
     draw.scale(ratio, ratio);
     draw.fillStyle = "#f3f5f7";
     draw.fillRect(0, 0, width, height);
-    const column = width / data.count, middle = height / 2;
+    const column = width / data.count,
+      middle = height / 2;
     draw.fillStyle = "#fff3c4";
     draw.fillRect(state.k * column, 0, Math.max(column, 2), height);
-    for (const [kind, direction] of [["fn", -1], ["fp", 1]]) {
+    for (const [kind, direction] of [
+      ["fn", -1],
+      ["fp", 1],
+    ]) {
       if (!algorithm()) break;
       let most = 0;
       for (let k = 0; k < data.count; ++k) most = Math.max(most, algorithm()[kind].count(k));
@@ -259,9 +338,15 @@
         const count = algorithm()[kind].count(k);
         if (!count) continue;
         const tall = Math.max(1.5, (count / most) * (middle - 2));
-        draw.fillRect(k * column, direction < 0 ? middle - tall : middle, Math.max(column - (column > 4 ? 1 : 0), 1), tall);
+        draw.fillRect(
+          k * column,
+          direction < 0 ? middle - tall : middle,
+          Math.max(column - (column > 4 ? 1 : 0), 1),
+          tall,
+        );
       }
-      const text = `${KINDS[kind].sign}, at most ${most}`, y = direction < 0 ? 0 : height - 14;
+      const text = `${KINDS[kind].sign}, at most ${most}`,
+        y = direction < 0 ? 0 : height - 14;
       draw.font = "11px sans-serif";
       draw.fillStyle = "rgba(255, 255, 255, 0.85)";
       draw.fillRect(0, y, draw.measureText(text).width + 8, 14);
@@ -278,15 +363,23 @@
   function update() {
     now = answers(state.k, algorithm());
     measured = null;
-    if (state.chosen && state.chosen.length === 2 && state.chosen.every((b) => place(b))) measured = measure(...state.chosen.map(solid));
+    if (state.chosen && state.chosen.length === 2 && state.chosen.every((b) => place(b)))
+      measured = measure(...state.chosen.map(solid));
     $("slider").value = step();
-    $("slider").setAttribute("aria-valuetext", `step ${step()}, ${now.fn.length} false negatives, ${now.fp.length} false positives`);
+    $("slider").setAttribute(
+      "aria-valuetext",
+      `step ${step()}, ${now.fn.length} false negatives, ${now.fp.length} false positives`,
+    );
     $("now").textContent = `step ${step()} of ${data.steps - 1} · ${(step() / data.rate).toFixed(3)} s`;
     showLists();
     showChosen();
     showStrip();
     if (picture) picture.update();
-    const parts = [`step=${step()}`, ...(algorithm() ? [`algorithm=${encodeURIComponent(algorithm().label)}`] : []), ...(state.chosen ? [`chosen=${state.chosen.join("-")}`] : [])];
+    const parts = [
+      `step=${step()}`,
+      ...(algorithm() ? [`algorithm=${encodeURIComponent(algorithm().label)}`] : []),
+      ...(state.chosen ? [`chosen=${state.chosen.join("-")}`] : []),
+    ];
     try {
       history.replaceState(null, "", "#" + parts.join("&"));
     } catch (refused) {} // a browser may refuse it to local files, or to fast playing; the page does not need it
@@ -312,17 +405,33 @@
   }
 
   function showAlgorithm() {
-    const one = algorithm(), whole = one && data.worst[one.label];
+    const one = algorithm(),
+      whole = one && data.worst[one.label];
     const box = $("whole");
     box.replaceChildren();
     if (!one) return box.append("The file has no algorithms: all pairs shown are the truth.");
-    const knobs = one.knobs && one.knobs !== "{}" ? one.knobs.replace(/[{}"]/g, "").replace(/,/g, ", ").replace(/:/g, " ") : "";
-    box.append([one.name !== one.label ? one.name : "", knobs, one.promise && one.promise !== "none" ? `promises: ${one.promise}` : ""].filter(Boolean).join("; "));
+    const knobs =
+      one.knobs && one.knobs !== "{}" ? one.knobs.replace(/[{}"]/g, "").replace(/,/g, ", ").replace(/:/g, " ") : "";
+    box.append(
+      [
+        one.name !== one.label ? one.name : "",
+        knobs,
+        one.promise && one.promise !== "none" ? `promises: ${one.promise}` : "",
+      ]
+        .filter(Boolean)
+        .join("; "),
+    );
     if (!whole) return;
     const link = (at, most, what) => {
       const inside = at >= data.first && at < data.first + data.count;
       const text = `most at step ${at}: ${most}`;
-      return inside ? element("button", { style: "padding:0 6px;font-size:12px;min-height:0", onclick: () => go(at - data.first) }, text) : `${text}; see it with --step ${at}`;
+      return inside
+        ? element(
+            "button",
+            { style: "padding:0 6px;font-size:12px;min-height:0", onclick: () => go(at - data.first) },
+            text,
+          )
+        : `${text}; see it with --step ${at}`;
     };
     ["false positives", "false negatives"].forEach((what, i) => {
       const line = element("div", {}, `Whole run: ${whole.total[i]} ${what}`);
@@ -335,12 +444,30 @@
 
   let picture = null;
   try {
-    picture = makePicture({ data, meshes, poses, state, KINDS, NONE, listed, place, radius, name, kindOf, bodyKinds, choose, now: () => now, measured: () => measured });
+    picture = makePicture({
+      data,
+      meshes,
+      poses,
+      state,
+      KINDS,
+      NONE,
+      listed,
+      place,
+      radius,
+      name,
+      kindOf,
+      bodyKinds,
+      choose,
+      now: () => now,
+      measured: () => measured,
+      contained: () => contained.at(state.k),
+    });
     $("message").hidden = true;
     $("legend").hidden = $("tools").hidden = false;
   } catch (failed) {
     console.info("no picture: " + failed.message);
-    $("message").textContent = "This browser or machine offers no WebGL, which the picture needs. The lists and the time line work all the same.";
+    $("message").textContent =
+      "This browser or machine offers no WebGL, which the picture needs. The lists and the time line work without.";
   }
 
   let up = "y";
@@ -351,7 +478,7 @@
     up: () => {
       up = up === "y" ? "z" : "y";
       $("up").textContent = up + " up";
-      if (picture) picture.setUp(up), picture.all();
+      if (picture) (picture.setUp(up), picture.all());
     },
     back: () => go(state.k - 1),
     forth: () => go(state.k + 1),
@@ -374,7 +501,12 @@
   function nextPair(direction) {
     const pairs = listed.flatMap((kind) => (open[kind] ? now[kind] : []));
     if (!pairs.length) return;
-    const at = state.chosen && state.chosen.length === 2 ? pairs.findIndex((p) => key(p) === key(state.chosen)) : direction > 0 ? -1 : 0;
+    const at =
+      state.chosen && state.chosen.length === 2
+        ? pairs.findIndex((p) => key(p) === key(state.chosen))
+        : direction > 0
+          ? -1
+          : 0;
     choose(pairs[(at + direction + pairs.length) % pairs.length], true);
     const shown = $("lists").querySelector("[aria-current]");
     if (shown) shown.scrollIntoView({ block: "nearest" });
@@ -416,11 +548,23 @@
   window.addEventListener("resize", showStrip);
 
   $("title").textContent = data.title || data.file;
-  $("about").textContent = `${data.file}: ${data.bodies.length} bodies, steps ${data.first} to ${data.first + data.count - 1} of 0 to ${data.steps - 1}, ${data.rate} a second; digest ${data.digest.slice(0, 12)}…`;
+  $("about").textContent =
+    `${data.file}: ${data.bodies.length} bodies, steps ${data.first} to ${data.first + data.count - 1} of 0 to ` +
+    `${data.steps - 1}, ${data.rate} a second; digest ${data.digest.slice(0, 12)}…`;
   algorithms.forEach((a, i) => $("algorithm").append(element("option", { value: i }, a.label)));
   $("algorithm").disabled = !algorithms.length;
   $("algorithm").addEventListener("change", () => setAlgorithm(Number($("algorithm").value)));
-  $("legend").append(...listed.map((kind) => element("div", {}, sign(kind), element("span", {}, KINDS[kind].name, element("span", { class: "more" }, `: ${KINDS[kind].about}`)))), element("div", {}, sign(null), "in no pair"));
+  $("legend").append(
+    ...listed.map((kind) =>
+      element(
+        "div",
+        {},
+        sign(kind),
+        element("span", {}, KINDS[kind].name, element("span", { class: "more" }, `: ${KINDS[kind].about}`)),
+      ),
+    ),
+    element("div", {}, sign(null), "in no pair"),
+  );
 
   // A link to a moment: #step=420&algorithm=obb_sat&chosen=3-17
   const wanted = new URLSearchParams(location.hash.slice(1));
@@ -434,5 +578,16 @@
   showAlgorithm();
   update();
 
-  window.viewer = { step, go: (s) => go(s - data.first), choose, setAlgorithm, state, now: () => now, measured: () => measured, name, pixel: (b) => picture.pixel(b) };
+  window.viewer = {
+    step,
+    go: (s) => go(s - data.first),
+    choose,
+    fly,
+    setAlgorithm,
+    state,
+    now: () => now,
+    measured: () => measured,
+    name,
+    pixel: (b) => picture.pixel(b),
+  };
 })();

@@ -1,6 +1,6 @@
 """A look at a step: one HTML page with the bodies in 3D, right and wrong answers coloured and listed.
 
-The page holds everything: three.js (Debian's libjs-three: one apt package, no second registry, no bundler), viewer.js,
+The page holds everything: three.js (Debian's libjs-three: one apt package, no second registry, no bundler), our scripts,
 the meshes once each, the poses of a window of steps, and the wrong answers of all algorithms in it. It asks the network
 for nothing; its Content-Security-Policy forbids that.
 """
@@ -22,6 +22,7 @@ THREE_JS = [
     pathlib.Path("/usr/share/javascript/three/three.min.js"),
     pathlib.Path("/usr/share/javascript/three/examples/js/controls/OrbitControls.js"),
 ]
+SCRIPTS = ("decode", "measure", "picture", "viewer")  # beside this file, in this order
 AROUND = 60  # steps shown on either side when no window is asked for: two seconds of the thesis's scenes in all
 USUAL_BYTES = 8 << 20  # such a window becomes shorter rather than larger than this
 MOST_BYTES = 64 << 20  # a window that is asked for is refused above: phones fail to open larger pages
@@ -29,7 +30,13 @@ BIG = 4  # a fixed body so many times as large as the median moving one (plate, 
 
 
 class Unfit(Exception):
-    """A value that the user gave does not fit the file: one line."""
+    """What stands in the page's way: one line, and the exit code of it (3: a value does not fit the file)."""
+
+    code = 3
+
+
+class Uninstalled(Unfit):
+    code = 1
 
 
 def add_command(commands):
@@ -58,9 +65,13 @@ _window.__name__ = "range A:B of steps"  # argparse names it in its error
 def write_page(chosen):
     """Writes the page that the parsed arguments of `scene` ask for, whole or not at all. Returns its path.
 
-    Raises what step_page raises, and OSError when the page cannot be written.
+    Raises what step_page raises, naming the file, and OSError when the page cannot be written.
     """
-    page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps)
+    try:
+        page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps)
+    except (OSError, KeyError, ValueError, RuntimeError) as error:  # h5py does not name the file
+        text = str(error.args[0] if error.args else error)
+        raise OSError(text if text.startswith(chosen.file) else f"{chosen.file}: is damaged ({text})") from error
     path = chosen.output or f"{pathlib.Path(chosen.file).stem}_step{step}.html"
     if os.path.exists(path) and not os.path.isfile(path):
         raise Unfit(f"-o {path}: is not a file; name a page to write")
@@ -83,7 +94,7 @@ def step_page(path, step=None, label=None, window=None):
 
     step: None for the step at which the algorithm has the most wrong answers; label: None for the first algorithm;
     window: slice of steps, None for AROUND on either side of step. Raises OSError or ValueError when the file is not a
-    result, Unfit when a value does not fit it, RuntimeError when three.js is not installed.
+    result, Unfit when a value does not fit it, Uninstalled when three.js is not there.
     """
     run = load(path)
     steps, labels = run.meta["steps"], run.meta["algorithms"]
@@ -159,7 +170,7 @@ def _window_bytes(run, first, end):
 
 
 def _page_data(run, first, end):
-    """What viewer.js draws. Lengths in metres; positions and vertices are Float32 about centres taken off in doubles."""
+    """What viewer.js draws, in metres; positions and vertices are Float32 about centres taken off in doubles."""
     with h5py.File(run.path) as file:
         position = file["motion/position"][first:end]
         orientation = file["motion/orientation"][first:end]
@@ -209,7 +220,8 @@ def _page_data(run, first, end):
         "containment": str(containment),
         "meshes": meshes,
         "bodies": [
-            {"name": name, "mesh": number[b], "fixed": bool(row.fixed), "big": bool(big[b]), "born": int(row.first_step)}
+            {"name": name, "mesh": number[b], "fixed": bool(row.fixed), "big": bool(big[b]),
+             "born": int(row.first_step)}
             for b, (name, row) in enumerate(table.iterrows())
         ],
         "poses": _base64(poses.astype("<f4")),
@@ -261,20 +273,17 @@ def _base64(array):
 
 
 def _filled(data, title):
-    """The page: viewer.html with the title, the data, three.js and viewer.js in place of its marks."""
+    """The page: viewer.html with the title, the data, three.js and our scripts in place of its marks."""
     for path in THREE_JS:
         if not path.is_file():
-            raise RuntimeError(f"{path}: is missing; scripts/setup installs it (Debian's libjs-three)")
+            raise Uninstalled(f"{path}: is missing; scripts/setup installs it (Debian's libjs-three)")
     three = "\n".join(_script(path.read_text(encoding="utf-8")) for path in THREE_JS)
     document = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     filled = {
         "<!-- title -->": html.escape(title),
         "<!-- data -->": f'<script type="application/json" id="data">{document}</script>',
         "<!-- three -->": three,
-        "<!-- measure -->": _script((HERE / "measure.js").read_text(encoding="utf-8")),
-        "<!-- picture -->": _script((HERE / "picture.js").read_text(encoding="utf-8")),
-        "<!-- viewer -->": _script((HERE / "viewer.js").read_text(encoding="utf-8")),
-    }
+    } | {f"<!-- {name} -->": _script((HERE / f"{name}.js").read_text(encoding="utf-8")) for name in SCRIPTS}
     page = (HERE / "viewer.html").read_text(encoding="utf-8")
     for mark, text in filled.items():
         before, after = page.split(mark)
@@ -284,5 +293,5 @@ def _filled(data, title):
 
 def _script(text):
     if "</script" in text.lower():
-        raise RuntimeError("three.js: holds '</script', which would end the page's script; another version is needed")
+        raise Uninstalled("three.js: holds '</script', which would end the page's script; another version is needed")
     return f"<script>{text}</script>"

@@ -50,7 +50,7 @@ int finish(const Result& result, const std::string& path, bool json) {
   return bad.empty() ? kDone : kFailed;
 }
 
-/// A result for commands that judge one: the part of a run that is not finished has nothing to judge yet.
+/// A result for commands that need a whole one: the part of a run that is not finished has nothing to judge yet.
 Result whole_result(const std::string& file) {
   if (std::error_code none; std::filesystem::is_directory(file, none) && file.ends_with(".part"))
     throw Error(kFile, file + ": is an unfinished run; finish it with the same `pipeline run`, then name the result");
@@ -185,7 +185,10 @@ int dispatch(int argc, const char* const* argv) {
   if ((run_command->count("--output") || check_command->count("--output")) && output.empty())
     throw Error(kUsage, "-o: must name a file, not nothing");
   options.output = output;
-  if (*tolerance_option) score_options.tolerance = tolerance;
+  if (*tolerance_option) {
+    if (!(tolerance >= 1)) throw Error(kUsage, "--tolerance: must be a factor of at least 1");  // Range lets nan pass
+    score_options.tolerance = tolerance;
+  }
   if (*score_command) return score_file(file, baseline, score_options, json);
   if (*list_command) {
     put(json ? list_json(what) : list_text(what));
@@ -223,12 +226,12 @@ int dispatch(int argc, const char* const* argv) {
   if (*export_command) {
     if (vtk_folder.empty()) throw Error(kUsage, "--vtk: must name a folder, not nothing");
     check_step_range(steps);
-    const Result result = read_result(file);
+    const Result result = whole_result(file);
     vtk.folder = vtk_folder;
     vtk.name = export_name(file);
     vtk.steps = step_range(steps, result.steps(), file);
-    put(std::to_string(vtk.steps.size()) + " steps, about " +
-        std::to_string((export_bytes(result, vtk) >> 20) + 1) + " MiB\n");
+    const std::uint64_t mebibytes = (export_bytes(result, vtk) >> 20) + 1;
+    put(std::to_string(vtk.steps.size()) + " steps, about " + std::to_string(mebibytes) + " MiB\n");
     put(write_vtk(result, vtk).string() + "\n");
     return kDone;
   }

@@ -243,7 +243,7 @@ std::uint64_t export_bytes(const Result& result, const ExportOptions& options) {
   }
   const std::uint64_t size = vtp(result, largest).size();
   const std::uint64_t bytes =
-      most ? std::uint64_t(double(size) * (double(sum) / double(most))) : size * (options.steps.size());
+      most ? std::uint64_t(double(size) * (double(sum) / double(most))) : size * options.steps.size();
   if (bytes > free_disk(options.folder))
     throw Error(kInput, options.folder.string() + ": the export needs about " + std::to_string(bytes >> 20) +
                             " MiB, there are " + std::to_string(free_disk(options.folder) >> 20) +

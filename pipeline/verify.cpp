@@ -326,7 +326,8 @@ std::string verified_text(const Verified& verified, const Result& result) {
   if (result.truth.lists_contained()) row("listed as contained", verified.contained);
   row("listed as neither, boxes touch", verified.near);
   text += aligned("listed as neither, boxes do not touch", verified.far, "all proved apart by their coordinates");
-  text += "\n" + std::to_string(verified.checked()) + " pairs checked in exact arithmetic: ";
+  text += '\n';
+  text += std::to_string(verified.checked()) + " pairs checked in exact arithmetic: ";
   text += verified.difference ? "1 difference, the first in order; what follows it was not judged\n"
                               : "the oracle agrees about all of them\n";
   return text;

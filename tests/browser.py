@@ -1,7 +1,7 @@
 """Opens a page in a headless Chromium, without a network, and tells what its console said.
 
-Chromium is spoken to through two pipes (`--remote-debugging-pipe`: messages of the DevTools protocol, JSON, each ended by
-a zero byte), so nothing but the standard library is needed and no port is opened.
+Chromium is spoken to through two pipes (`--remote-debugging-pipe`: messages of the DevTools protocol, JSON, each ended
+by a zero byte), so nothing but the standard library is needed and no port is opened.
 """
 
 import base64
@@ -29,7 +29,7 @@ KEYS = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Ente
 
 
 def open_page(path, screenshot=None, **options):
-    """Opens the file at `path`, waits until it is drawn, and returns what its console said: a list of lines "level: text",
+    """Opens the file at `path`, waits until it is drawn, and returns what its console said: lines "level: text",
     network requests that were tried included ("network: address"). A page in order gives an empty list.
 
     screenshot: where to put a PNG of the whole page; options: as of browsing().
@@ -42,7 +42,7 @@ def open_page(path, screenshot=None, **options):
 
 @contextlib.contextmanager
 def browsing(path, width=1200, height=900, scale=1, phone=False, timeout=60):
-    """The file at `path` as an open Page, `width` by `height` CSS pixels; raises TimeoutError after `timeout` seconds."""
+    """The file at `path` as an open Page of `width` by `height` CSS pixels; TimeoutError after `timeout` seconds."""
     program = next((found for found in map(shutil.which, PROGRAMS) if found), None)
     if not program:
         raise FileNotFoundError(f"none of {', '.join(PROGRAMS)} is installed; scripts/setup installs the first")
@@ -54,7 +54,8 @@ def browsing(path, width=1200, height=900, scale=1, phone=False, timeout=60):
         os.dup2(theirs_read, 3)
         os.dup2(theirs_write, 4)
 
-    with tempfile.TemporaryDirectory() as profile:
+    # Chromium's helpers may still write to the profile for a moment after it has ended.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         command = [program, *OPTIONS, f"--user-data-dir={profile}"]
         process = subprocess.Popen(command, close_fds=False, preexec_fn=wire, stderr=subprocess.DEVNULL)
         os.close(theirs_read)
@@ -87,7 +88,7 @@ class Page:
         self._number, self._session, self._rest, self._events = 0, None, b"", []
 
     def evaluate(self, expression):
-        """The value of a JavaScript expression (a promise is awaited) as Python's; raises RuntimeError when it throws."""
+        """The value of a JavaScript expression (a promise is awaited) as Python's; RuntimeError when it throws."""
         answer = self._call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in answer:
             raise RuntimeError(_thrown(answer["exceptionDetails"]))
@@ -104,8 +105,8 @@ class Page:
     def click_on(self, selector):
         """A click at the middle of the first element that a CSS selector finds; it is scrolled into view before."""
         x, y = self.evaluate(
-            f"(() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: 'center'}});"
-            " const r = e.getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2]; })()"
+            f"(() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block:"
+            " 'center'}); const r = e.getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2]; })()"
         )
         self.click(x, y)
 

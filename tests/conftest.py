@@ -34,7 +34,9 @@ def result_file(request, tmp_path_factory):
 
 # Of the configurations with scenes: every one, few steps of the slow ones, and enough that something meets.
 SCENES = [
-    path for path in sorted((ROOT / "configs").glob("*.toml")) if "scene" in tomllib.loads(path.read_text(encoding="utf-8"))
+    path
+    for path in sorted((ROOT / "configs").glob("*.toml"))
+    if "scene" in tomllib.loads(path.read_text(encoding="utf-8"))
 ]
 STEPS = {"kostka": 100, "hriste": 400, "replay_example": None, "padani": 30, "smoke": 40}
 
@@ -49,7 +51,9 @@ def small_file(pipeline, tmp_path_factory):
             path = folder / f"{config.stem}.h5"
             steps = STEPS.get(config.stem, 4)
             command = [pipeline, "run", str(config), "-o", str(path), "--quiet", "--set", "timing.repeats=1"]
-            subprocess.run(command + (["--set", f"steps={steps}"] if steps else []), check=True, stdout=subprocess.DEVNULL)
+            subprocess.run(
+                command + (["--set", f"steps={steps}"] if steps else []), check=True, stdout=subprocess.DEVNULL
+            )
             made[config] = path
         return made[config]
 

@@ -1,7 +1,7 @@
 """`pipeline export`: the VTP files hold the truth's own doubles and the counts of the run; errors, interruption.
 
-The files are read here by Python's XML parser. That VTK reads them as well was checked with Debian's python3-vtk9 (README,
-"ParaView"), which is too heavy to be installed for a test.
+The files are read here by Python's XML parser. That VTK reads them as well was checked with Debian's python3-vtk9
+(README, "ParaView"), which is too heavy to be installed for a test.
 """
 
 import base64
@@ -36,7 +36,7 @@ def one_line(run):
 
 
 def arrays(path):
-    """name -> values of every array of a VTP, as the format's description says: base64 of the header, then of the blocks."""
+    """name -> values of every array of a VTP: base64 of the header, then of the blocks, as VTK describes it."""
     root = ET.parse(path).getroot()
     assert root.attrib["compressor"] == "vtkZLibDataCompressor" and root.attrib["header_type"] == "UInt64"
     data = root.find("AppendedData").text.strip().removeprefix("_")
@@ -149,8 +149,9 @@ def test_a_folder_in_use_is_refused_without_force(pipeline, result_file, tmp_pat
 
 
 @pytest.mark.parametrize("steps, code, word", [
-    ("5", USAGE, "A:B"), ("a:b", USAGE, "A:B"), ("1:2:3", USAGE, "A:B"), ("-1:3", USAGE, "A:B"), ("1.5:3", USAGE, "A:B"),
-    ("5:5", INPUT, "is empty"), ("9:3", INPUT, "is empty"), (":100000", INPUT, "has the steps 0:"),
+    ("5", USAGE, "A:B"), ("a:b", USAGE, "A:B"), ("1:2:3", USAGE, "A:B"), ("-1:3", USAGE, "A:B"),
+    ("1.5:3", USAGE, "A:B"), ("5:5", INPUT, "is empty"), ("9:3", INPUT, "is empty"),
+    (":100000", INPUT, "has the steps 0:"),
     ("0:99999999999999999999999", USAGE, "A:B"),
 ])  # fmt: skip
 def test_a_bad_range_of_steps_is_told(pipeline, result_file, tmp_path, steps, code, word):

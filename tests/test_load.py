@@ -1,4 +1,4 @@
-"""analysis/load.py: the tables agree with one another on every configuration, and what is no result is refused in a line."""
+"""analysis/load.py: the tables agree with one another on every configuration; no other file is read as a result."""
 
 import shutil
 import subprocess
@@ -19,7 +19,9 @@ def test_counts_agree_per_step_and_in_total(small_file, config):
     run = load(small_file(config))
     steps, labels = run.meta["steps"], run.meta["algorithms"]
     table = run.per_step.set_index(["step", "algorithm"])
-    counts = {name: table[name].to_numpy().reshape(steps, len(labels)).astype(int) for name in table.columns if name != "time"}
+    counts = {
+        name: table[name].to_numpy().reshape(steps, len(labels)).astype(int) for name in table.columns if name != "time"
+    }
     contained = counts.get("contained_hit", 0)
     np.testing.assert_array_equal(counts["true_positive"] + counts["false_positive"] + contained, counts["hits"])
     truth = np.repeat(run.truth_hits.astype(int)[:, None], len(labels), axis=1)
@@ -32,7 +34,9 @@ def test_counts_agree_per_step_and_in_total(small_file, config):
     np.testing.assert_allclose(summary.time_mean_ns, counts["time_ns"].mean(axis=0))
     wrong = (summary.false_positive + summary.false_negative).astype(float)
     right = summary.true_positive.astype(float)
-    np.testing.assert_allclose(summary.error, np.divide(wrong, wrong + right, out=np.zeros(len(labels)), where=wrong + right > 0))
+    np.testing.assert_allclose(
+        summary.error, np.divide(wrong, wrong + right, out=np.zeros(len(labels)), where=wrong + right > 0)
+    )
 
 
 def test_the_configurations_tables_are_not_all_empty(small_file):
@@ -61,12 +65,15 @@ def test_contained_pairs_are_judged_as_the_configuration_says(pipeline, tmp_path
     (tmp_path / "poses.csv").write_text("step,body,px,py,pz,qw,qx,qy,qz\n0,ball,0,0,0,1,0,0,0\n")
     for containment, verdict in (("ignore", "false_positive"), ("record", "contained_hit"), ("meet", "true_positive")):
         config.write_text(
-            f'[scene]\nkind = "replay"\nposes = "poses.csv"\n[truth]\ncontainment = "{containment}"\n[[algorithm]]\nname = "obb_sat"\n'
-            '[[scene.body]]\nname = "ball"\nshape = "sphere"\nradius = 0.5\n'
-            '[[scene.body]]\nname = "room"\nshape = "box"\nsize = [9, 9, 9]\nposition = [0, 0, 0]\nfixed = true\n'
+            '[scene]\nkind = "replay"\nposes = "poses.csv"\n[truth]\ncontainment ='
+            f' "{containment}"\n[[algorithm]]\nname = "obb_sat"\n[[scene.body]]\nname = "ball"\nshape ='
+            ' "sphere"\nradius = 0.5\n[[scene.body]]\nname = "room"\nshape = "box"\nsize = [9, 9, 9]\nposition = [0,'
+            " 0, 0]\nfixed = true\n"
         )
         path = tmp_path / f"{containment}.h5"
-        subprocess.run([pipeline, "run", str(config), "-o", str(path), "--quiet"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [pipeline, "run", str(config), "-o", str(path), "--quiet"], check=True, stdout=subprocess.DEVNULL
+        )
         assert list(load(path).per_pair("obb_sat").verdict) == [verdict]
 
 

@@ -1,4 +1,4 @@
-"""The report: what its figures say is so, its page stands alone, and odd results give a report that says what is odd."""
+"""The report: what its figures say is so, its page stands alone, and of odd results it says what is odd."""
 
 import os
 import re
@@ -59,7 +59,9 @@ def test_the_page_opens_without_a_message_and_is_not_blank(made, tmp_path, width
         assert opened.messages == []
         assert opened.evaluate("document.documentElement.scrollWidth") == width  # nothing sticks out to the side
         opened.screenshot(tmp_path / "page.png", whole=False)
-        drawn = opened.evaluate("[...document.querySelectorAll('.picture svg')].map(s => s.getBoundingClientRect().width)")
+        drawn = opened.evaluate(
+            "[...document.querySelectorAll('.picture svg')].map(s => s.getBoundingClientRect().width)"
+        )
         assert len(drawn) >= 3 and all(size > 250 for size in drawn)
     image = matplotlib.image.imread(tmp_path / "page.png")
     assert image[..., :3].std() > 0.05
@@ -80,8 +82,9 @@ def test_identifiers_are_unique_and_links_lead_to_them(made):
 
 def test_figures_are_named_and_tables_have_heads(made):
     with browsing(made) as opened:
-        assert opened.evaluate("[...document.querySelectorAll('figure')].every(f => f.querySelector('h3').textContent === "
-                               "f.querySelector('[role=img]').ariaLabel && f.querySelector('details table tbody tr'))")  # fmt: skip
+        named = "f.querySelector('h3').textContent === f.querySelector('[role=img]').ariaLabel"
+        table = "f.querySelector('details table tbody tr')"
+        assert opened.evaluate(f"[...document.querySelectorAll('figure')].every(f => {named} && {table})")
         assert opened.evaluate("[...document.querySelectorAll('thead th')].every(h => h.scope === 'col')")
         assert opened.evaluate("[...document.querySelectorAll('tbody tr')].every(r => r.cells[0].scope === 'row')")
         assert opened.evaluate("document.documentElement.lang") == "en"
@@ -94,15 +97,22 @@ def test_the_summary_is_that_of_the_file(made, result_file):
     heads, *rows = rows
     summary = load(result_file).summary
     assert [row[0] for row in rows] == list(summary.index)
-    for head, column, scale in (("error", "error", 1), ("false positives", "false_positive", 1), ("mean time (µs)", "time_mean_ns", 1e3),
-                                ("false negatives", "false_negative", 1), ("Matthews", "matthews", 1)):  # fmt: skip
+    for head, column, scale in (
+        ("error", "error", 1),
+        ("false positives", "false_positive", 1),
+        ("mean time (µs)", "time_mean_ns", 1e3),
+        ("false negatives", "false_negative", 1),
+        ("Matthews", "matthews", 1),
+    ):
         shown_there = [float(row[heads.index(head)].replace("\u202f", "").replace("–", "nan")) for row in rows]
         np.testing.assert_allclose(shown_there, summary[column].astype(float) / scale, rtol=6e-3, atol=6e-5)
 
 
 def test_a_press_on_a_head_sorts_and_printing_opens_the_numbers(made):
     with browsing(made) as opened:
-        errors = "[...document.querySelectorAll('#summary ~ .table tbody tr')].map(r => parseFloat(r.cells[1].innerText))"
+        errors = (
+            "[...document.querySelectorAll('#summary ~ .table tbody tr')].map(r => parseFloat(r.cells[1].innerText))"
+        )
         for order in (1, -1):
             opened.click_on("#summary ~ .table th:nth-child(2) button")
             found = opened.evaluate(errors)
@@ -128,7 +138,8 @@ def test_texts_of_a_file_are_shown_and_not_run(copy, tmp_path):
 
 
 def test_numbers_are_shown_with_four_digits():
-    assert [shown(value) for value in (True, 7, 12345, 0.123456, float("nan"), float("inf"), None, 123456.7, "a<b")] == [
+    values = (True, 7, 12345, 0.123456, float("nan"), float("inf"), None, 123456.7, "a<b")
+    assert [shown(value) for value in values] == [
         "yes", "7", "12\u202f345", "0.1235", "–", "∞", "–", "123\u202f457", "a&lt;b",
     ]  # fmt: skip
 
@@ -148,8 +159,21 @@ def test_figures_of_one_page_do_not_share_identifiers():
 
 
 def test_styles_are_stable_and_differ():
-    names = ["obb_sat", "bounding_sphere", "rotated_aabb", "facet_distance", "obb_corners", "facet_vectors", "obb_triangles",
-             "facet_triangles", "facet_rotations", "cannon_naive", "cannon_sap", "aabb", "my_method"]  # fmt: skip
+    names = [
+        "obb_sat",
+        "bounding_sphere",
+        "rotated_aabb",
+        "facet_distance",
+        "obb_corners",
+        "facet_vectors",
+        "obb_triangles",
+        "facet_triangles",
+        "facet_rotations",
+        "cannon_naive",
+        "cannon_sap",
+        "aabb",
+        "my_method",
+    ]
     looks = [(style(name)["color"], style(name)["marker"]) for name in names]
     assert len(set(looks)) == len(names) and {colour for colour, _ in looks} <= set(PALETTE.values())
 
@@ -163,12 +187,21 @@ def test_the_front_is_what_nothing_dominates(seed):
     cost, error = random.integers(0, 8, (2, random.integers(1, 30)))  # ties happen
     found = pareto.front(cost, error)
     for i in range(len(cost)):
-        beaten = any(cost[j] <= cost[i] and error[j] <= error[i] and (cost[j], error[j]) != (cost[i], error[i]) for j in range(len(cost)))
+        beaten = any(
+            cost[j] <= cost[i] and error[j] <= error[i] and (cost[j], error[j]) != (cost[i], error[i])
+            for j in range(len(cost))
+        )
         assert found[i] != beaten, f"seed {seed}: {cost} {error}"
 
 
 def test_sweeps_join_labels_that_differ_in_one_number():
-    knobs = [{"stride": 5, "strip": "a"}, {"stride": 20, "strip": "a"}, {"stride": 10, "strip": "a"}, {"stride": 5, "strip": "b"}, {"on": True}]
+    knobs = [
+        {"stride": 5, "strip": "a"},
+        {"stride": 20, "strip": "a"},
+        {"stride": 10, "strip": "a"},
+        {"stride": 5, "strip": "b"},
+        {"on": True},
+    ]
     points = pd.DataFrame({"algorithm": ["f", "f", "f", "f", "g"], "knobs": knobs, "cost": [4, 1, 2, 3, 0]})
     assert pareto.sweeps(points) == [("f", "stride", [0, 2, 1])]
     assert pareto.relatives(points, "cost") == []
@@ -182,7 +215,7 @@ def test_labels_cover_neither_each_other_nor_marks(seed, count):
     marks = random.normal((200, 150), (90, 30), (count, 2)).clip((20, 20), (380, 280))
     sizes = np.column_stack([random.uniform(30, 110, count), np.full(count, 9)])
     region = (0, 0, 420, 300)
-    corners = labels.place(marks, sizes, region, marks, np.zeros((0, 4)), radius=4)
+    corners = labels.place(np.arange(count), sizes, region, marks, np.full(count, 4), [])
     put = ~np.isnan(corners[:, 0])
     assert put.sum() >= min(count, 20) * 0.8, f"seed {seed}"
     low, high = corners[put], corners[put] + sizes[put]
@@ -200,7 +233,8 @@ def points(rows):
 
 @pytest.mark.parametrize("rows, words", [
     ([("a", 0.5, 1000.0)], "a errs 0.5 at 1 µs; it is alone, there is nothing to compare it with"),
-    ([("a", 0.5, 1000.0), ("b", 0.7, 3000.0)], "a errs least, 0.5, and is also the fastest, 1 µs: no other is worth its cost here"),
+    ([("a", 0.5, 1000.0), ("b", 0.7, 3000.0)],
+     "a errs least, 0.5, and is also the fastest, 1 µs: no other is worth its cost here"),
     ([("a", 0.5, 1e3), ("b", 0.2, 3e3), ("c", 0.0, 2e6)],
      "c makes no error at 2 ms; nothing faster errs less than 0.2 (b, 3 µs); the fastest, a at 1 µs, errs 0.5"),
     ([("a", 0.0, 10.0), ("b", 0.0, 5.0)], "No algorithm errs on this scene; b is the fastest, 5 ns"),
@@ -318,13 +352,29 @@ def test_a_result_without_algorithms_is_said(copy, tmp_path):
     odd(copy, tmp_path, "no algorithm has answered", "There is nothing to draw")
 
 
-@pytest.mark.parametrize("group", ["physics", "results", "bodies", "meshes", "motion", "truth", "run", "summary", "config", "passes"])
+def test_a_study_of_integrators_is_no_scene_that_lacks_everything(copy, tmp_path):
+    with h5py.File(copy, "r+") as file:
+        for name in [name for name in file if name not in ("config", "run")]:
+            del file[name]
+        file["study/integrator"] = ["RungeKutta3", "Verlet"]
+        file["study/error"] = [1e-3, np.nan]
+    study = load(copy).study
+    assert list(study.integrator) == ["RungeKutta3", "Verlet"] and study.error[0] == 1e-3
+    output = tmp_path / "study.html"
+    assert main(["report", str(copy), "-o", str(output)]) == 0
+    text = output.read_text(encoding="utf-8")
+    assert "2 cases of a study" in text and "lacks /" not in text and "no algorithm has answered" not in text
+
+
+@pytest.mark.parametrize(
+    "group", ["physics", "results", "bodies", "meshes", "motion", "truth", "run", "summary", "config", "passes"]
+)
 def test_a_group_that_is_missing_is_no_obstacle(copy, tmp_path, group):
     with h5py.File(copy, "r+") as file:
         if group in file:
             del file[group]
-    said = {"results": "lacks /results", "motion": "lacks /motion", "truth": "has no truth", "summary": "the summary of the algorithms is missing",
-            "run": "lacks /run"}  # fmt: skip
+    said = {"results": "lacks /results", "motion": "lacks /motion", "truth": "has no truth",
+            "summary": "the summary of the algorithms is missing", "run": "lacks /run"}  # fmt: skip
     assert main(["report", str(copy), "-o", str(tmp_path / "odd.html")]) == 0
     assert said.get(group, "") in (tmp_path / "odd.html").read_text(encoding="utf-8")
 
@@ -356,7 +406,9 @@ def test_only_pages_are_overwritten(made, result_file, tmp_path, capsys, brief):
 
 
 def test_the_script_finds_its_python_from_any_folder(result_file, tmp_path):
-    run = subprocess.run([str(ROOT / "scripts" / "report"), str(result_file)], cwd=tmp_path, text=True, capture_output=True)
+    run = subprocess.run(
+        [str(ROOT / "scripts" / "report"), str(result_file)], cwd=tmp_path, text=True, capture_output=True
+    )
     assert run.returncode == 0 and run.stdout == "report.html\n" and run.stderr == "", run.stderr
     assert (tmp_path / "report.html").stat().st_size > 10000
 
