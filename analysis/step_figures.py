@@ -118,7 +118,7 @@ def spread(steps):
 def hits_per_step(run, kind, key):
     """Pairs reported over the steps, beside those that meet."""
     steps = steps_of(run)
-    drawn = chosen(run)
+    drawn = chosen(run, times=False)
     fig, axes = figure(height=4.6)
     middle, truth = binned(steps.truth, np.mean)
     axes.fill_between(middle, truth, color=TRUTH, linewidth=0)
@@ -155,10 +155,10 @@ def hits_per_step(run, kind, key):
         title += f"; {fewest} the fewest, {share(fewest)}" if most != fewest else ""
     what = (
         f"Pairs reported at a step; the grey area ends at the pairs that truly meet; n = {len(steps.hits)} steps, each "
-        f"point the mean of {stretch(steps.hits)}. The axis is linear below 1.{left_out(run)}"
+        f"point the mean of {stretch(steps.hits)}. The axis is linear below 1.{left_out(run, times=False)}"
     )
-    table.index.name = "algorithm"
-    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table.astype({"hits": int}), key)
+    table = table.astype({"hits": int}).rename_axis("algorithm")
+    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, ""), times=False), table, key)
 
 
 def follows_table(steps):
