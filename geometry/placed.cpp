@@ -1,3 +1,5 @@
+// World vertices and their boxes, and a dual descent in exact comparisons: nothing here is inflated, because the boxes
+// hold the rounded vertices themselves. The tree's shape alone comes from the mesh's own frame.
 #include "geometry/placed.hpp"
 
 #include <algorithm>
