@@ -186,7 +186,7 @@ void BroadPhase::pairs(std::span<const PairRun> runs, std::vector<Pair>& out) {
 /// Finds the pairs of the set sets_[first, last) that answer to `region`: those for which the greater of the two lower
 /// ends lies in it, so that of two sets that share a pair only one reports it.
 void BroadPhase::halve(std::size_t first, std::size_t last, const Region& region) {
-  constexpr std::size_t kFew = 96;             // measured: tests/benchmarks/truth_bench.cpp
+  constexpr std::size_t kFew = 320;            // measured: tests/benchmarks/truth_bench.cpp
   constexpr std::size_t kSamples = 31;         // of a median that only sets the cost
   constexpr double kMost = 0.8, kTwice = 1.3;  // of the set, in one half and in both: otherwise halving does not pay
   const std::size_t n = last - first;

@@ -28,7 +28,7 @@ struct Bvh {
     float half[3] = {}, thickness = 0;
     float normal[3] = {}, unused = 0;
   };
-  static constexpr std::uint32_t kLeafSize = 4;   // facets at most; measured: tests/benchmarks/truth_bench.cpp
+  static constexpr std::uint32_t kLeafSize = 2;   // facets at most; measured: tests/benchmarks/truth_bench.cpp
   static constexpr std::size_t kMostDepth = 128;  // no path from the root is longer, whatever the mesh
   std::vector<Node> nodes;                        // node 0 is the root; children come after their parent
   std::vector<Bound> bounds;                      // #nodes

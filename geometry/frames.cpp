@@ -58,6 +58,8 @@ Lanes load(const float* four) {
 Lanes least(Lanes x, Lanes y) { return x < y ? x : y; }
 float sum(Lanes x) { return (x[0] + x[1]) + x[2]; }
 
+float size(const Bvh::Bound& bound) { return std::max(std::max(bound.half[0], bound.half[1]), bound.half[2]); }
+
 /// The columns times the first three lanes of x.
 Lanes times(const Lanes (&column)[3], Lanes x) { return (column[0] * x[0] + column[1] * x[1]) + column[2] * x[2]; }
 Lanes absolute_times(const Lanes (&column)[3], Lanes x) {
@@ -170,7 +172,8 @@ float Relative::overlap(const Bvh::Bound& a, const Bvh::Bound& b) const {
   const Lanes depths = least(by_a, by_b);
   const float depth = std::min(std::min(depths[0], depths[1]), depths[2]);
   if (depth < 0) return depth;
-  // Along the normals of both.
+  // Along the normals of both, unless neither surface is thin across its own: then the boxes say as much.
+  if (2 * a.thickness > size(a) && 2 * b.thickness > size(b)) return depth;
   const Lanes a_normal = load(a.normal), b_normal = load(b.normal);
   const Lanes n = times(row_, a_normal), m = times(column_, b_normal);  // in the other's frame
   const float alpha = sum(n * b_normal);

@@ -143,7 +143,7 @@ TEST(Bvh, HoldsHalfAMillionFacets) { expect_whole(sphere("s", 1, 350), 60); }
 // the rounding of the dot product that geometry/frames.cpp allows for.
 TEST(Bvh, BoundsHoldTheVerticesOfTheirNodes) {
   using Exact = CGAL::Mpzf;
-  for (const Mesh& mesh : {soup(200, 3), sphere("s", 2, 8), copies_of_one_facet(9), box("b", Vec3(1e-9, 1, 1e6))}) {
+  for (const Mesh& mesh : {soup(100, 3), sphere("s", 2, 4), copies_of_one_facet(9), box("b", Vec3(1e-9, 1, 1e6))}) {
     const Bvh bvh = build_bvh(mesh);
     double reach = 0;
     for (const Vec3& v : mesh.vertices) reach = std::max(reach, v.norm());
