@@ -31,6 +31,7 @@
 #include <utility>
 #include <vector>
 
+#include "algorithms/algorithm.hpp"
 #include "geometry/shapes.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/part.hpp"
