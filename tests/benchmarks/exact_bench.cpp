@@ -4,8 +4,10 @@
 //
 // The motion is that of a result file, results/padani.h5 unless another is given (scripts/bench makes it), with its own
 // spheres, with finer ones and with torus knots in their place. All methods answer the same steps in one process, in
-// turns, timed by the detect stage itself: the fastest of three passes, preparation included, memories emptied every 50
-// steps. A scene is measured once, when its first row is asked for; rows are windows of its steps. Columns:
+// turns, as the detect stage asks them: the fastest of three passes, preparation included, memories emptied every 50
+// steps. Time is that of the processor, not of the wall: on a busy machine the wall would charge the slow methods with
+// interruptions that the short passes of the fast ones escape. A scene is measured once, when its first row is asked
+// for; rows are windows of its steps. Columns:
 //   Time        ms of all steps of the window
 //   median      ms of a step
 //   cold        ms of a step that starts with an empty memory, mean
@@ -14,31 +16,25 @@
 //   obb_ratio   this time over obb_sat's
 //   differ      answers that differ from exact's
 // and the hits with a hash of them, so that a speed-up cannot quietly change an answer.
-//
-// Piles of 275, 2,750 and 27,500 spheres show how the cost grows: ms per step, bytes that the method holds (hierarchies
-// and what grows with the bodies), and the slope in a log-log plot from the pile before.
 #include <benchmark/benchmark.h>
-#include <malloc.h>
 
 #include <algorithm>
-#include <array>
-#include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
-#include <map>
+#include <limits>
+#include <memory>
 #include <numeric>
-#include <random>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "algorithms/algorithm.hpp"
 #include "geometry/shapes.hpp"
-#include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
-#include "pipeline/provenance.hpp"
+#include "pipeline/part.hpp"
 #include "pipeline/store.hpp"
 
 namespace {
@@ -52,17 +48,23 @@ constexpr const char* kMethods[] = {"fcl_bvh", "exact", "exact_cold", "obb_sat"}
 constexpr std::size_t kFcl = 0, kExact = 1, kObb = 3;
 constexpr double kLanded = 3.9;         // s: the last sphere of configs/padani.toml lies
 constexpr std::size_t kLiveliest = 60;  // steps
-constexpr std::int64_t kRepeats = 3;
+constexpr int kRepeats = 3;
 
 /// Steps of the motion, first <= step < last.
 struct Window {
   std::size_t first, last;
 };
 
+/// What one method answered and took.
+struct Answered {
+  PairLists hits;
+  std::vector<double> ms;  // of each step: the fastest pass
+};
+
 struct Scene {
   std::string name;
   Bodies bodies;
-  std::vector<Answers> answers = {};  // of kMethods; empty: not measured yet
+  std::vector<Answered> answers = {};  // of kMethods; empty: not measured yet
 };
 
 /// The consecutive steps in which bodies that meet another one travel farthest, summed: impacts, not free fall.
@@ -106,22 +108,47 @@ Mesh knot(const Mesh& sphere, double reach) {
   return mesh;
 }
 
-void measure(Scene& scene, const Poses& poses) {
-  Truth none;  // answers are compared with one another
-  for (std::size_t s = 0; s < poses.size(); ++s) none.hits.append({});
-  std::vector<AlgorithmChoice> choices;
-  for (const char* name : kMethods) choices.push_back(parse_algorithm(name));
-  Progress progress("detect", poses.size(), false);
-  scene.answers = detect(scene.bodies, poses, none, choices, kRepeats, machine(), nullptr, progress);
+double cpu_ms() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * double(now.tv_sec) + 1e-6 * double(now.tv_nsec);
 }
 
-double total_ms(const Answers& answers, Window window) {
-  const auto begin = answers.time_ns.begin();
-  return 1e-6 * double(std::accumulate(begin + std::ptrdiff_t(window.first), begin + std::ptrdiff_t(window.last),
-                                       std::int64_t{0}));
+void measure(Scene& scene, const Poses& motion) {
+  std::vector<std::unique_ptr<algorithms::Method>> methods;
+  for (const char* name : kMethods) {
+    const algorithms::Algorithm& row = *algorithms::find(name);
+    methods.push_back(row.make(scene.bodies, algorithms::presets(row)));
+  }
+  scene.answers.resize(methods.size());
+  std::vector<Pair> found;
+  for (std::size_t s = 0; s < motion.size(); ++s) {
+    const std::vector<geometry::PairRun> runs = geometry::pair_runs(scene.bodies, motion[s]);
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+      const std::size_t m = s % 2 ? methods.size() - 1 - i : i;
+      if (s % kChunkSteps == 0) methods[m]->forget();
+      double fastest = std::numeric_limits<double>::infinity();
+      for (int repeat = 0; repeat < kRepeats; ++repeat) {
+        found.clear();
+        const double start = cpu_ms();
+        methods[m]->prepare(motion[s]);
+        methods[m]->answer(runs, found);
+        fastest = std::min(fastest, cpu_ms() - start);
+      }
+      methods[m]->remember();
+      std::ranges::sort(found);
+      scene.answers[m].hits.append(found);
+      scene.answers[m].ms.push_back(fastest);
+    }
+  }
 }
 
-PairLists hits_of(const Answers& answers, Window window) {
+double total_ms(const Answered& answers, Window window) {
+  const auto begin = answers.ms.begin();
+  return std::accumulate(begin + std::ptrdiff_t(window.first), begin + std::ptrdiff_t(window.last), 0.0);
+}
+
+PairLists hits_of(const Answered& answers, Window window) {
   PairLists hits;
   for (std::size_t s = window.first; s < window.last; ++s) hits.append(answers.hits.at(s));
   return hits;
@@ -148,13 +175,13 @@ std::uint64_t differences(const PairLists& some, const PairLists& others) {
 
 void row(benchmark::State& state, Scene& scene, Window window, std::size_t method, const Poses& poses) {
   if (scene.answers.empty()) measure(scene, poses);
-  const Answers& answers = scene.answers[method];
+  const Answered& answers = scene.answers[method];
   const double total = total_ms(answers, window);
   for (auto _ : state) state.SetIterationTime(1e-3 * total);
 
   std::vector<double> times, cold;
   for (std::size_t s = window.first; s < window.last; ++s) {
-    times.push_back(1e-6 * double(answers.time_ns[s]));
+    times.push_back(answers.ms[s]);
     if (s % kChunkSteps == 0) cold.push_back(times.back());
   }
   std::ranges::sort(times);
@@ -171,73 +198,6 @@ void row(benchmark::State& state, Scene& scene, Window window, std::size_t metho
   state.SetLabel(text);
 }
 
-/// Layers of a hexagonal packing with gaps of a thousandth of the radius, so that most neighbours nearly touch and some
-/// do; every body creeps to and fro between two steps.
-struct Pile {
-  Bodies bodies;
-  std::array<std::vector<geometry::Pose>, 2> steps;
-
-  explicit Pile(int count) {
-    std::mt19937_64 bits(20221122);
-    const auto real = [&] { return static_cast<double>(static_cast<std::int64_t>(bits())) * 0x1p-63; };
-    const auto point = [&] {
-      const double x = real(), y = real(), z = real();
-      return geometry::Vec3(x, y, z);
-    };
-    bodies.meshes = {geometry::sphere("sphere", 1, 16)};
-    const int side = static_cast<int>(std::ceil(std::cbrt(count)));
-    constexpr double kStep = 2.001;  // m, from centre to centre
-    for (int i = 0; i < count; ++i) {
-      const int column = i % side, row = i / side % side, layer = i / side / side;
-      const double x = column + 0.5 * (row % 2) + 0.5 * (layer % 2);
-      const double z = (row + (layer % 2) / 3.0) * std::sqrt(0.75);
-      const geometry::Vec3 place = kStep * geometry::Vec3(x, layer * std::sqrt(2.0 / 3.0), z) + 0.003 * point();
-      const geometry::Quaternion q = geometry::normalised({real(), real(), real(), real()});
-      bodies.name.push_back(std::to_string(i));
-      bodies.mesh.push_back(0);
-      bodies.fixed.push_back(0);
-      steps[0].push_back({q, place});
-      steps[1].push_back({q, place + 0.001 * point()});
-    }
-  }
-};
-
-void pile(benchmark::State& state, const std::string& name) {
-  using Clock = std::chrono::steady_clock;
-  const Pile pile(static_cast<int>(state.range(0)));
-  const std::vector<geometry::PairRun> runs = geometry::pair_runs(pile.bodies, pile.steps[0]);
-  const algorithms::Algorithm& row = *algorithms::find(name);
-  const std::size_t before = mallinfo2().uordblks + mallinfo2().hblkhd;
-  const auto method = row.make(pile.bodies, algorithms::presets(row));
-  std::vector<Pair> found;
-  double spent = 0;
-  std::int64_t asked = 0;
-  for (auto _ : state) {
-    const std::vector<geometry::Pose>& poses = pile.steps[asked++ % 2];
-    found.clear();
-    const auto start = Clock::now();
-    method->prepare(poses);
-    method->answer(runs, found);
-    method->remember();
-    const double s = std::chrono::duration<double>(Clock::now() - start).count();
-    state.SetIterationTime(s);
-    spent += s;
-  }
-  const double bytes = double(mallinfo2().uordblks + mallinfo2().hblkhd - before);
-  std::ranges::sort(found);
-  PairLists hits;
-  hits.append(found);
-  const double n = double(state.range(0)), mean = spent / double(asked);
-  static std::map<std::string, std::pair<double, double>> last;  // of each method: bodies, s per step
-  if (const auto smaller = last.find(name); smaller != last.end() && smaller->second.first < n)
-    state.counters["slope"] = std::log(mean / smaller->second.second) / std::log(n / smaller->second.first);
-  last[name] = {n, mean};
-  state.counters["bytes"] = bytes;
-  char text[96];
-  std::snprintf(text, sizeof text, "%zu hits, hash %016llx", found.size(), static_cast<unsigned long long>(hash(hits)));
-  state.SetLabel(text);
-}
-
 /// One line per scene and step that were measured.
 void write_steps(const std::string& path, const std::vector<Scene>& scenes) {
   std::ofstream out(path);
@@ -245,10 +205,10 @@ void write_steps(const std::string& path, const std::vector<Scene>& scenes) {
   for (const char* name : kMethods) out << ',' << name << "_ms";
   out << '\n';
   for (const Scene& scene : scenes)
-    for (std::size_t s = 0; !scene.answers.empty() && s < scene.answers[kExact].time_ns.size(); ++s) {
+    for (std::size_t s = 0; !scene.answers.empty() && s < scene.answers[kExact].ms.size(); ++s) {
       out << scene.name << ',' << s << ',' << (s % kChunkSteps ? "kept" : "empty") << ','
           << scene.answers[kExact].hits.at(s).size();
-      for (const Answers& answers : scene.answers) out << ',' << 1e-6 * double(answers.time_ns[s]);
+      for (const Answered& answers : scene.answers) out << ',' << answers.ms[s];
       out << '\n';
     }
   if (!out.flush()) throw Error(kFile, path + ": cannot be written; choose another --per_step");
@@ -285,15 +245,6 @@ void run(int argc, char** argv) {
             ->Iterations(1)
             ->UseManualTime()
             ->Unit(benchmark::kMillisecond);
-  for (const char* name : {"exact", "exact_cold", "fcl_bvh"})
-    benchmark::RegisterBenchmark((std::string("pile/") + name).c_str(),
-                                 [name](benchmark::State& state) { pile(state, name); })
-        ->Arg(275)
-        ->Arg(2750)
-        ->Arg(27500)
-        ->Iterations(6)  // the first is cold
-        ->UseManualTime()
-        ->Unit(benchmark::kMillisecond);
   benchmark::RunSpecifiedBenchmarks();
   if (!per_step.empty()) write_steps(per_step, scenes);
 }
