@@ -60,7 +60,7 @@ hid_t h5_type(Type type, const h5::Type& text) {
 std::vector<hsize_t> chunk_of(const Dataset& dataset) {
   std::vector<hsize_t> chunk(dataset.shape.begin(), dataset.shape.end());
   const std::uint64_t rows = std::max<std::uint64_t>(chunk[0], 1);
-  std::uint64_t row_bytes = size_of(dataset.type);
+  std::uint64_t row_bytes = dataset.type == Type::text ? 16 : size_of(dataset.type);  // of a text its place
   for (std::size_t d = 1; d < chunk.size(); ++d) row_bytes *= chunk[d];
   const std::uint64_t most = std::max<std::uint64_t>(kChunkBytes / row_bytes, 1);
   const std::uint64_t parts = (rows + most - 1) / most;
@@ -422,6 +422,30 @@ Passes read_passes(const Reader& from, std::uint64_t algorithms) {
   return passes;
 }
 
+Extremes read_extremes(const Reader& from, std::uint64_t steps, std::uint64_t algorithms) {
+  Extremes extremes;
+  extremes.rows.resize(steps);
+  extremes.answers.resize(algorithms);
+  const auto path = [](const auto& column) { return std::string("/extremes/") + column.name; };
+  const auto fill = [&](const auto& column, auto values) {
+    for (std::size_t s = 0; s < steps; ++s) extremes.rows[s].*column.member = std::move(values[s]);
+  };
+  for (const auto& column : kCaseTexts) fill(column, from.texts(path(column), {steps}));
+  for (const auto& column : kCaseReals) fill(column, from.values<double>(path(column), Type::f64, {steps}));
+  for (const auto& column : kCaseIntegers) fill(column, from.values<std::int64_t>(path(column), Type::i64, {steps}));
+  for (const auto& column : kCaseCounts) fill(column, from.values<std::uint64_t>(path(column), Type::u64, {steps}));
+  for (const auto& column : kCaseFlags) fill(column, from.values<std::uint8_t>(path(column), Type::u8, {steps}));
+  if (algorithms == 0) return extremes;
+  for (const auto& column : kCaseAnswerFlags) {
+    const auto table = from.values<std::uint8_t>(path(column), Type::u8, {steps, algorithms});
+    for (std::size_t a = 0; a < algorithms; ++a)
+      for (std::size_t s = 0; s < steps; ++s) (extremes.answers[a].*column.member).push_back(table[s * algorithms + a]);
+  }
+  const auto reasons = from.texts(std::string("/extremes/") + kCaseReason, {algorithms});
+  for (std::size_t a = 0; a < algorithms; ++a) extremes.answers[a].reason = reasons[a];
+  return extremes;
+}
+
 void read_contained_hits(const Reader& from, std::uint64_t steps, Result& result) {
   const std::size_t count = result.answers.size();
   const std::string column = std::string("/") + kContainedHit;
@@ -486,6 +510,7 @@ Result read_all(const Reader& from) {
     if (result.truth.containment == Containment::record) read_contained_hits(from, steps, result);
   }
   if (from.has("/passes")) result.passes = read_passes(from, result.answers.size());
+  if (from.has("/extremes")) result.extremes = read_extremes(from, steps, result.answers.size());
   result.provenance = read_provenance(from);
   result.digest = from.attribute<std::string>("/", "digest");
   return result;
