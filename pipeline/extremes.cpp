@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cfenv>
 #include <limits>
 
 #include "geometry/meet.hpp"
@@ -38,7 +37,7 @@ struct Stretch {
   Truth truth;
 
   Stretch(const Bodies& all, const Poses& motion, const Truth& decided, const CaseSet& set, std::int64_t first,
-        std::int64_t last)
+          std::int64_t last)
       : bodies(two_of(all, set.a, set.b)) {
     truth.containment = decided.containment;
     const auto alone = [](std::span<const Pair> pairs) { return std::vector<Pair>(pairs.empty() ? 0 : 1, {0, 1}); };
@@ -61,10 +60,6 @@ bool reports(algorithms::Method& method, const std::vector<Pose>& poses) {
 /// What the algorithm says of a step besides its answer.
 void ask_again(algorithms::Method& method, algorithms::Method& other_order, const std::vector<Pose>& poses,
                const CaseSet& set, ExtremeAnswers& out) {
-  std::feclearexcept(FE_ALL_EXCEPT);
-  reports(method, poses);
-  out.not_finite.push_back(
-      std::uint8_t((std::fetestexcept(FE_INVALID) ? 1 : 0) | (std::fetestexcept(FE_OVERFLOW | FE_DIVBYZERO) ? 2 : 0)));
   out.swapped.push_back(reports(other_order, {poses[1], poses[0]}));
   std::vector<Pose> moved = poses;
   for (Pose& pose : moved) pose.t += set.moved;
@@ -119,7 +114,7 @@ Failed answer(const Stretch& range, const CaseSet& set, const AlgorithmChoice& c
     append(found, set, answers);
     for (std::size_t s = 0; s < range.poses.size(); ++s) cases.reported.push_back(!found.hits.at(s).empty());
     cases.failed.resize(cases.reported.size(), kWell);
-    for (const auto column : {&ExtremeAnswers::swapped, &ExtremeAnswers::moved, &ExtremeAnswers::not_finite})
+    for (const auto column : {&ExtremeAnswers::swapped, &ExtremeAnswers::moved})
       (cases.*column).insert((cases.*column).end(), (said.*column).begin(), (said.*column).end());
     return kWell;
   } catch (const Error& error) {
@@ -149,8 +144,7 @@ void answer_all(const Stretch& range, const CaseSet& set, const AlgorithmChoice&
   }
   append(silence(range.truth, steps), set, answers);
   cases.failed.resize(cases.failed.size() + steps, failure);
-  for (const auto column :
-       {&ExtremeAnswers::reported, &ExtremeAnswers::swapped, &ExtremeAnswers::moved, &ExtremeAnswers::not_finite})
+  for (const auto column : {&ExtremeAnswers::reported, &ExtremeAnswers::swapped, &ExtremeAnswers::moved})
     (cases.*column).resize(cases.failed.size(), 0);
 }
 
@@ -170,7 +164,6 @@ void for_each_column(Answers& a, ExtremeAnswers& c, Visit visit) {
   visit(c.swapped);
   visit(c.moved);
   visit(c.failed);
-  visit(c.not_finite);
 }
 
 std::string bytes_of(Answers& answers, ExtremeAnswers& cases) {
@@ -286,7 +279,6 @@ ExtremesInstability instability(const Extremes& extremes, std::size_t algorithm)
     const ExtremeCase& row = extremes.rows[s];
     out.swapped += said.swapped[s] != said.reported[s];
     out.moved += said.moved[s] != said.reported[s] && row.truth_moved == row.truth;
-    out.not_finite += said.not_finite[s] & 1;
   }
   return out;
 }

@@ -39,9 +39,9 @@ struct ExtremesDetected {
   std::vector<ExtremeAnswers> cases;  // A
 };
 
-/// Asks every algorithm of `choices` about every case: as detect does, then in the other order, moved, and for what the
-/// processor says of invalid operations. Single-threaded. Chunks that `part` holds are taken from it; `part` may be
-/// null.
+/// Asks every algorithm of `choices` about every case: as detect does, then in the other order, and moved. A NaN on an
+/// algorithm's way shows in its answers only: the processor's flags do not tell, SLEEF raises them for an asin(0).
+/// Single-threaded. Chunks that `part` holds are taken from it; `part` may be null.
 ExtremesDetected detect_extremes(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
                                  const Truth& truth, const std::vector<CaseSet>& sets,
                                  const std::vector<AlgorithmChoice>& choices, std::int64_t repeats,
@@ -74,9 +74,8 @@ ExtremesCount count(const Extremes& extremes, std::size_t algorithm, Chosen chos
 
 /// What an algorithm's answers are worth besides being right; over all cases that did not fail.
 struct ExtremesInstability {
-  std::uint64_t swapped = 0;     // answers that change with the order of the pair
-  std::uint64_t moved = 0;       // that change when both are moved, while the truth does not
-  std::uint64_t not_finite = 0;  // cases in which it made a NaN
+  std::uint64_t swapped = 0;  // answers that change with the order of the pair
+  std::uint64_t moved = 0;    // that change when both are moved, while the truth does not
 };
 ExtremesInstability instability(const Extremes& extremes, std::size_t algorithm);
 

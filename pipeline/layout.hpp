@@ -119,9 +119,7 @@ inline constexpr Column<ExtremeAnswers, std::vector<std::uint8_t>> kCaseAnswerFl
     {"reported", &ExtremeAnswers::reported, "1", "1 when the algorithm reported the pair"},
     {"swapped", &ExtremeAnswers::swapped, "1", "its answer with the two bodies in the other order"},
     {"moved", &ExtremeAnswers::moved, "1", "its answer with both bodies moved by an exactly representable step"},
-    {"failed", &ExtremeAnswers::failed, "1", "1: it refused the bodies, 2: it threw; then its other values are 0"},
-    {"not_finite", &ExtremeAnswers::not_finite, "1",
-     "what it met on the way: 1 an operation without a value (NaN), 2 an overflow or a division by 0, 3 both"}};
+    {"failed", &ExtremeAnswers::failed, "1", "1: it refused the bodies, 2: it threw; then its other flags are 0"}};
 inline constexpr char kCaseReason[] = "failure";
 
 // A column of /results and of /summary, there only with Containment::record.

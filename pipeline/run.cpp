@@ -54,6 +54,11 @@ Plan plan(const Config& config) {
   const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
   const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
   plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);
+  if (plan.case_sets > 0) {  // two bodies a step make lists; of the others there are only poses
+    constexpr std::uint64_t kPose = 7 * 8, kRow = 80, kFlags = 5;
+    plan.file_bytes =
+        estimated_bytes(steps, 2, algorithms, mesh_bytes) + steps * (size.bodies * kPose + kRow + kFlags * algorithms);
+  }
   // Gaps: about as many pairs as an algorithm reports, each with two reals; and their own placed bodies.
   const std::uint64_t gaps = config.gap_margin ? 1 : 0;
   plan.file_bytes += gaps * steps * (4 * size.bodies * 24 + 8);

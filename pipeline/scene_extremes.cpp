@@ -51,13 +51,13 @@ Mesh tetrahedron(const std::string& name, const char* kind, double scale, const 
 /// The body of that name, about `scale` from its middle to its ends.
 Mesh body_mesh(const std::string& shape, const std::string& name, double scale) {
   constexpr double h = kThin / 2;
-  if (shape == "sphere") return geometry::sphere(name, scale, 8);
-  if (shape == "small_sphere") return geometry::sphere(name, 0.3 * scale, 4);
+  if (shape == "sphere") return geometry::sphere(name, scale, 16);
+  if (shape == "small_sphere") return geometry::sphere(name, 0.3 * scale, 8);
   if (shape == "box") return geometry::box(name, scale * Vec3(2, 1.6, 1.2));
   if (shape == "small_box") return geometry::box(name, scale * Vec3(0.5, 0.4, 0.3));
-  if (shape == "capsule") return geometry::capsule(name, 2 * scale, 0.5 * scale, 0.5 * scale, 4);
+  if (shape == "capsule") return geometry::capsule(name, 2 * scale, 0.5 * scale, 0.5 * scale, 8);
   if (shape == "torus") return geometry::torus(name, 1.5 * scale, 0.5 * scale, 16);
-  if (shape == "torus_knot") return geometry::torus_knot(name, 0.6 * scale, 0.2 * scale, 32, 8, 2, 3);
+  if (shape == "torus_knot") return geometry::torus_knot(name, 0.6 * scale, 0.2 * scale, 32, 32, 2, 3);
   // All faces have two corners next to each other and one far away.
   if (shape == "needle")
     return tetrahedron(name, "needle", scale, {Vec3(-1, -h, -h), Vec3(1, 0, 0), Vec3(-1, h, -h), Vec3(-1, 0, h)});
