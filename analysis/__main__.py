@@ -1,14 +1,16 @@
-"""python3 -m analysis: what the results say, printed.
+"""python3 -m analysis: what the results say, printed or as a page.
 
-Exit codes as the pipeline's: 0 done, 2 the command line's grammar, 4 a file that is missing or not a result.
+Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit
+the file, 4 a file that is missing, not a result or cannot be written.
 """
 
 import argparse
+import os
 import sys
 
-from analysis import scenes
+from analysis import scenes, viewer
 from analysis.load import load
-from analysis.statements import verdicts
+from analysis.statements import shown, verdicts
 
 KINDS = ("box", "falling", "playground")
 
@@ -18,13 +20,62 @@ def main(arguments=None):
     commands = parser.add_subparsers(dest="command", required=True)
     command = commands.add_parser("statements", help="judge the thesis's statements on results")
     command.add_argument("file", nargs="+", help="results of the box, falling and playground scenes, one of each")
+    command.set_defaults(act=lambda chosen: print(table(verdicts(opened(chosen.file)))))
+    command = commands.add_parser("report", help="one HTML page of figures and tables, which needs no network")
+    command.add_argument("file", nargs="+", help="results; those of one motion and truth are drawn together")
+    command.add_argument("-o", "--output", default="report.html", help="the page (default: report.html)")
+    command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output))
+    viewer.add_command(commands)
     chosen = parser.parse_args(arguments)
     try:
-        print(table(verdicts(opened(chosen.file))))
-    except (OSError, KeyError, ValueError) as error:
+        chosen.act(chosen)
+    except viewer.Unfit as error:
         print(" ".join(str(error).split()), file=sys.stderr)
+        return error.code
+    except (OSError, KeyError, ValueError, RuntimeError) as error:
+        text = error.args[0] if isinstance(error, KeyError) and error.args else error
+        print(" ".join(str(text).split()), file=sys.stderr)
         return 4
     return 0
+
+
+def write_report(paths, output):
+    """The page of the results at `paths`, whole or not at all; prints where it is. Only a page is overwritten."""
+    if os.path.exists(output):
+        if os.path.isdir(output):
+            raise IsADirectoryError(f"{output}: is a folder; -o names the page's file")
+        if os.path.isfile(output) and os.path.getsize(output):
+            with open(output, "rb") as file:
+                if not file.read(9).lower().startswith(b"<!doctype"):
+                    raise FileExistsError(f"{output}: exists and is not an HTML page; it is not overwritten")
+    folder = os.path.dirname(output) or "."
+    if not os.path.isdir(folder) or not os.access(folder, os.W_OK):
+        raise OSError(f"{output}: cannot be written: {folder} is no folder that can be written to")
+    runs = [read(path) for path in paths]
+    from analysis.report import report  # matplotlib is slow to load, and nothing above needs it
+
+    text = report(runs)
+    part = f"{output}.{os.getpid()}.part"
+    try:
+        with open(part, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(part, output)
+    except OSError as error:
+        if os.path.exists(part):
+            os.remove(part)
+        raise OSError(f"{output}: cannot be written ({error.strerror})") from error
+    print(output)
+
+
+def read(path):
+    """The result at `path`, its tables read, so that damage is found here; raises as load() does."""
+    run = load(path)
+    try:
+        run.summary, run.per_step, run.physics, run.truth_hits
+    except (OSError, KeyError, ValueError, RuntimeError) as error:
+        text = str(error.args[0] if error.args else error)
+        raise OSError(text if text.startswith(path) else f"{path}: is damaged ({text})") from error
+    return run
 
 
 def opened(paths):
@@ -54,13 +105,6 @@ def table(found):
         rows.append((f"{verdict.number} {verdict.variant}".strip(), word, figures or why, verdict.text))
     widths = [max(len(row[column]) for row in rows) for column in range(3)]
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths + [0])).rstrip() for row in rows)
-
-
-def shown(value):
-    """A figure: three digits, whole numbers in full."""
-    if not isinstance(value, float):
-        return str(value)
-    return f"{value:.0f}" if 1000 <= abs(value) < 1e15 else f"{value:.3g}"
 
 
 if __name__ == "__main__":

@@ -1,4 +1,16 @@
-"""A result file as pandas tables.
+"""A result file as pandas tables: load(path), then one attribute or call per table.
+
+    per_step                one row per step and algorithm: times, hits, right and wrong answers, operations
+    summary                 one row per algorithm, over all steps
+    per_pair(label)         one row per step and pair that the algorithm reports or misses, and which of it is
+    pairs(label), truth_pairs, contained_pairs     the lists of pairs as they are in the file
+    passes                  the playground: how early or late each algorithm is, one row per pass and algorithm
+    physics                 one row per step of an integrated motion
+    bodies, motion          one row per body; poses as arrays
+    study                   one row per case of a study of integrators
+
+Steps and counts are integers (int64, uint64), times in ns int64 (float64 in summary), everything else float64 in SI
+units; labels and names are text. What a file does not have is None or a table without rows, as each says.
 
 h5py and xarray read the file unaided too: ``xarray.open_dataset(path, group="results", engine="h5netcdf")``.
 ``pandas.read_hdf`` does not: it reads only what pandas wrote.
@@ -24,7 +36,9 @@ class Run:
         steps: number of steps; rate: steps per second; bodies, algorithms: lists of names and labels;
         config, config_effective: TOML texts; run: dict of date, host, processor, wall_time_s;
         answers: dict label -> dict of name, knobs (JSON), promise, thesis_key, operations_unit, scope,
-        host, processor, build, date, digest.
+        host, processor, build, date, digest; motion, truth: dicts of digest,
+        containment (if asked for).
+        Of what a file lacks, the texts, lists and dicts are empty, steps 0 and rate NaN.
     """
 
     path: str
@@ -32,10 +46,11 @@ class Run:
 
     @cached_property
     def per_step(self):
-        """One row per step and algorithm (S x A rows, step by step, algorithms in the file's order).
+        """One row per step and algorithm (S x A rows, step by step, algorithms in the file's order), numbered from 0.
 
-        Columns: step, time (s), algorithm (categorical); time_ns, time_median_ns, prepare_ns (ns); hits,
-        true_positive, false_positive, false_negative, rounding_miss (pairs); operations (elementary tests).
+        Columns: step (int64), time (float64, s), algorithm (categorical); time_ns, time_median_ns, prepare_ns (int64,
+        ns); hits, true_positive, false_positive, false_negative, rounding_miss (uint64, pairs), contained_hit where it
+        is recorded; operations (uint64, elementary tests).
         """
         steps, labels = self.meta["steps"], self.meta["algorithms"]
         table = {
@@ -43,15 +58,16 @@ class Run:
             "time": np.repeat(np.arange(steps) / self.meta["rate"], len(labels)),
             "algorithm": pd.Categorical.from_codes(np.tile(np.arange(len(labels)), steps), labels),
         }
-        return pd.DataFrame(table | {name: values.ravel() for name, values in self._columns("results").items()})
+        columns = {name: values.ravel() for name, values in self._columns("results").items()}
+        return pd.DataFrame(table | columns if columns else {name: values[:0] for name, values in table.items()})
 
     @cached_property
     def summary(self):
         """One row per algorithm, indexed by its label.
 
-        Columns: hits, true_positive, false_positive, false_negative (pairs over all steps), operations, error,
-        precision, recall, matthews (1; NaN for 0/0), time_mean_ns, time_median_ns, time_p95_ns (ns per step),
-        promise_kept (bool).
+        Columns: hits, true_positive, false_positive, false_negative (uint64, pairs over all steps), contained_hit where
+        it is recorded; operations (uint64); error, precision, recall, matthews (float64, 1; NaN for 0/0); time_mean_ns,
+        time_median_ns, time_p95_ns (float64, ns per step); promise_kept (bool).
         """
         table = pd.DataFrame(self._columns("summary"), index=pd.Index(self.meta["algorithms"], name="algorithm"))
         return table.astype({"promise_kept": bool}) if len(table.columns) else table
@@ -60,8 +76,9 @@ class Run:
     def physics(self):
         """One row per step, indexed by step; None when nothing was integrated. How it ended: attrs["status"].
 
-        Columns: energy, kinetic_energy (J), greatest_penetration (m), contacts; and since the step before:
-        integrator_steps, rejected_steps, force_evaluations, time_ns, contact_time_ns.
+        Columns: energy, kinetic_energy (float64, J), greatest_penetration (float64, m), contacts (uint64); and since
+        the step before: integrator_steps, rejected_steps, force_evaluations (uint64), time_ns, contact_time_ns (int64,
+        ns).
         """
         columns = self._columns("physics")
         if not columns:
@@ -70,6 +87,49 @@ class Run:
         with h5py.File(self.path) as file:
             table.attrs["status"] = file["physics"].attrs["status"]
         return table
+
+    @cached_property
+    def study(self):
+        """One row per case of a study of integrators, its columns as in the file; None when it is no study."""
+        columns = self._columns("study")
+        if not columns:
+            return None
+        return pd.DataFrame({name: _text(values) for name, values in columns.items()})
+
+    @cached_property
+    def truth_hits(self):
+        """The number of pairs that meet, per step (uint64, S); empty when the file has no truth."""
+        with h5py.File(self.path) as file:
+            return file["truth/hits"][()] if "truth/hits" in file else np.zeros(0, np.uint64)
+
+    def per_pair(self, label):
+        """What an algorithm says of each pair. One row per step and pair that it reports or that truly meets, sorted.
+
+        Columns: step (int64), a, b (uint32, numbers of bodies, a < b), verdict (categorical: true_positive,
+        false_positive, false_negative, contained_hit: a hit on a contained pair where those are counted apart).
+        Raises KeyError as pairs().
+        """
+        reported, truth, contained = self.pairs(label), self.truth_pairs, None
+        containment = self.meta["truth"].get("containment")
+        if containment == "meet":
+            truth = pd.concat([truth, self.contained_pairs], ignore_index=True)
+        elif containment == "record":
+            contained = self.contained_pairs
+        bodies = max(len(self.meta["bodies"]), 1)
+
+        def key(table):
+            return (table.step.to_numpy() * bodies + table.a.to_numpy()) * bodies + table.b.to_numpy()
+
+        hit, meets = key(reported), key(truth)
+        verdict = np.where(np.isin(hit, meets, assume_unique=True), 0, 1)
+        if contained is not None:
+            verdict[np.isin(hit, key(contained), assume_unique=True)] = 3
+        missed = truth[~np.isin(meets, hit, assume_unique=True)]
+        table = pd.concat([reported, missed], ignore_index=True)
+        verdict = np.concatenate([verdict, np.full(len(missed), 2)])
+        names = ["true_positive", "false_positive", "false_negative", "contained_hit"]
+        table["verdict"] = pd.Categorical.from_codes(verdict, names)
+        return table.sort_values(["step", "a", "b"], ignore_index=True)
 
     def pairs(self, label):
         """The pairs that an algorithm reported. Columns: step, a, b (numbers of bodies, a < b); N rows, sorted.
@@ -89,7 +149,7 @@ class Run:
     def contained_pairs(self):
         """The pairs of which one body lies wholly inside the other. Columns as truth_pairs; None when not recorded."""
         with h5py.File(self.path) as file:
-            if "contained_pair" not in file["truth"]:
+            if "truth/contained_pair" not in file:
                 return None
         return self._pairs("truth", "contained_pair", "contained_offset")
 
@@ -205,6 +265,8 @@ class Run:
 
     def _pairs(self, group, pair="pair", offset="pair_offset"):
         with h5py.File(self.path) as file:
+            if group not in file:
+                raise KeyError(f"{self.path}: has no /{group}")
             offset, pair = file[group][offset][()], file[group][pair][()]
         step = np.repeat(np.arange(self.meta["steps"]), np.diff(offset).astype(np.int64))
         return pd.DataFrame({"step": step, "a": pair[:, 0], "b": pair[:, 1]})
@@ -213,29 +275,67 @@ class Run:
 def load(path):
     """Opens the result at `path` as a Run.
 
-    Raises OSError when it is missing or not HDF5, ValueError when it is not a result or of a newer schema.
+    Raises OSError when it is missing, not HDF5 or cut off, ValueError when it is an unfinished run, not a result, or of
+    a schema that this module does not know. The message is one line that starts with the path.
     """
     path = os.fspath(path)
-    with h5py.File(path) as file:
+    with _opened(path) as file:
         version = file.attrs.get("schema_version")
         if version is None:
             raise ValueError(f"{path}: is not a result of this program (it has no attribute schema_version)")
-        if not 1 <= version <= SCHEMA_VERSION:
+        if not isinstance(version, (int, np.integer)) or not 1 <= version <= SCHEMA_VERSION:
             raise ValueError(
                 f"{path}: has schema version {version}, this module reads 1 to {SCHEMA_VERSION}; "
                 "use the analysis/load.py that came with the program that wrote it"
             )
-        meta = dict(file.attrs) | {
-            "steps": file["step"].shape[0],
-            "rate": float(file["time"].attrs["rate"]),
+        answers = file.get("answers", {})
+        labels = _names(file, "algorithm")
+        lost = [label for label in labels if label not in answers]
+        if lost:
+            raise ValueError(f"{path}: is damaged: /answers lacks {', '.join(lost)}")
+        meta = {name: _plain(value) for name, value in file.attrs.items()} | {
+            "steps": file["step"].shape[0] if "step" in file else 0,
+            "rate": float(file["time"].attrs.get("rate", np.nan)) if "time" in file else np.nan,
             "bodies": _names(file, "body"),
-            "algorithms": _names(file, "algorithm"),
-            "config": file["config"].asstr()[()],
-            "config_effective": file["config"].attrs["effective"],
-            "run": dict(file["run"].attrs),
-            "answers": {label: dict(file["answers"][label].attrs) for label in _names(file, "algorithm")},
+            "algorithms": labels,
+            "config": file["config"].asstr()[()] if "config" in file else "",
+            "config_effective": file["config"].attrs.get("effective", "") if "config" in file else "",
+            "run": _attributes(file, "run"),
+            "motion": _attributes(file, "motion"),
+            "truth": _attributes(file, "truth"),
+            "answers": {label: _attributes(file, f"answers/{label}") for label in labels},
         }
     return Run(path, meta)
+
+
+def _opened(path):
+    if os.path.isdir(path):
+        if os.path.exists(os.path.join(path, "manifest.json")) or path.rstrip("/").endswith(".part"):
+            raise ValueError(f"{path}: is an unfinished run; the command that began it finishes it")
+        raise ValueError(f"{path}: is a folder, not a result")
+    if not os.path.exists(path):
+        raise FileNotFoundError(f"{path}: there is no such file")
+    try:
+        return h5py.File(path)
+    except OSError as error:
+        reason = " ".join(str(error).split())
+        if "signature not found" in reason:
+            raise OSError(f"{path}: is not an HDF5 file") from error
+        if "truncated" in reason:
+            raise OSError(f"{path}: is truncated: its end is missing; copy it again") from error
+        raise OSError(f"{path}: cannot be read ({reason})") from error
+
+
+def _attributes(file, group):
+    return {name: _plain(value) for name, value in file[group].attrs.items()} if group in file else {}
+
+
+def _plain(value):
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _text(values):
+    return [value.decode() if isinstance(value, bytes) else value for value in values]
 
 
 def _kind(shape):

@@ -94,7 +94,7 @@ def slowest_by_far(box, falling, slowest, *others):
         mean = scene.summary.time_mean_ns
         ratio[name] = float(mean[slowest] / mean[list(others)].max())
     holds = abs(ratio["box"] / 5 - 1) <= t.ABOUT and 9 * (1 - t.ABOUT) <= ratio["falling"] <= 10 * (1 + t.ABOUT)
-    return holds, {"box": ratio["box"], "falling": ratio["falling"]}
+    return holds, {f"{name} ratio": value for name, value in ratio.items()}
 
 
 def alike_in_time(box, falling, one, other):
@@ -102,7 +102,7 @@ def alike_in_time(box, falling, one, other):
     figures = {}
     for name, scene in (("box", box), ("falling", falling)):
         mean = scene.summary.time_mean_ns[[one, other]]
-        figures[name] = float(mean.max() / mean.min())
+        figures[f"{name} ratio"] = float(mean.max() / mean.min())
     return max(figures.values()) <= 1 + t.WITHIN, figures
 
 
@@ -112,7 +112,7 @@ def apart_from_hits(falling, *labels):
     figures = {}
     for label in labels:
         rows = falling.per_step[falling.per_step.algorithm == label]
-        figures[label] = float(rows.time_ns.corr(rows.hits.astype(float)))
+        figures[f"r {label}"] = float(rows.time_ns.corr(rows.hits.astype(float)))
     if np.isnan(list(figures.values())).any():
         raise NotTestable("times or hits do not vary")
     return max(figures.values()) < t.FOLLOWS, figures
@@ -136,15 +136,15 @@ def reports_most(box, falling, most, *others):
     figures = {}
     for name, scene in (("box", box), ("falling", falling)):
         hits = scene.summary.hits.astype(float)
-        figures |= {f"{name} {most}": hits[most], f"{name} next": hits[list(others)].max()}
-    return all(figures[f"{name} {most}"] > figures[f"{name} next"] for name in ("box", "falling")), figures
+        figures |= {f"{name} hits {most}": hits[most], f"{name} hits next": hits[list(others)].max()}
+    return all(figures[f"{name} hits {most}"] > figures[f"{name} hits next"] for name in ("box", "falling")), figures
 
 
 def reports_fewest(falling, fewest, *others):
     """Fewer hits than any other, over all steps."""
     hits = falling.summary.hits.astype(float)
-    figures = {fewest: hits[fewest], "next": hits[list(others)].min()}
-    return bool(figures[fewest] < figures["next"]), figures
+    figures = {f"hits {fewest}": hits[fewest], "hits next": hits[list(others)].min()}
+    return bool(figures[f"hits {fewest}"] < figures["hits next"]), figures
 
 
 def curves_coincide(scene, one, other):
@@ -153,7 +153,7 @@ def curves_coincide(scene, one, other):
     if not np.sum(hits):
         raise NotTestable("neither reports anything")
     distance = float(np.abs(hits[0] - hits[1]).mean() / np.mean(hits))
-    return distance <= t.COINCIDE, {"distance": distance, one: hits[0].sum(), other: hits[1].sum()}
+    return distance <= t.COINCIDE, {"distance": distance, f"hits {one}": hits[0].sum(), f"hits {other}": hits[1].sum()}
 
 
 # The playground. A pass touches when the exact contact exists. `first` is how far before it the first report comes,
@@ -490,3 +490,10 @@ def verdicts(scenes):
         if len(given) == len(statement.scenes) and any(all(label in s.labels for s in given) for label in careful):
             found.append(judged(statement, scenes, careful=True))
     return found
+
+
+def shown(value):
+    """A figure: three digits, whole numbers in full."""
+    if not isinstance(value, float):
+        return str(value)
+    return f"{value:.0f}" if 1000 <= abs(value) < 1e15 else f"{value:.3g}"

@@ -247,10 +247,11 @@ Found bound(const Frame& f, double width, double enough) {
 // ---- Boxes --------------------------------------------------------------------------------------------------------
 
 /// A lower bound on the distance of what is in the boxes. Differences, squares and their sum are within 2^-50 of true
-/// in all, squares that underflow below 1e-160. Infinite beyond 1e154.
+/// in all, squares that underflow below 1e-160. Where squares overflow the widest axis alone is a bound.
 double box_gap(const Box& a, const Box& b) {
   const Vec3 d = (b.min - a.max).cwiseMax(a.min - b.max).cwiseMax(0);
-  return std::fmax(0, std::sqrt(dot(d, d)) * (1 - 0x1p-50) - 1e-160);
+  const double square = dot(d, d), length = square < kInfinity ? std::sqrt(square) : d.maxCoeff();
+  return std::fmax(0, length * (1 - 0x1p-50) - 1e-160);
 }
 
 double size(const Box& box) { return (box.max - box.min).sum(); }

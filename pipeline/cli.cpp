@@ -7,17 +7,22 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "pipeline/baseline.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/export.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/run.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/show.hpp"
+#include "pipeline/step_range.hpp"
 #include "pipeline/store.hpp"
+#include "pipeline/verify.hpp"
 #include "pipeline/words.hpp"
 
 namespace pipeline {
@@ -43,6 +48,41 @@ int finish(const Result& result, const std::string& path, bool json) {
   const std::vector<std::string> bad = failures(result);
   for (const std::string& line : bad) std::fprintf(stderr, "%s: %s\n", path.c_str(), line.c_str());
   return bad.empty() ? kDone : kFailed;
+}
+
+/// A result for commands that need a whole one: the part of a run that is not finished has nothing to judge yet.
+Result whole_result(const std::string& file) {
+  if (std::error_code none; std::filesystem::is_directory(file, none) && file.ends_with(".part"))
+    throw Error(kFile, file + ": is an unfinished run; finish it with the same `pipeline run`, then name the result");
+  return read_result(file);
+}
+
+struct VerifyOptions {
+  std::string steps = ":";
+  std::uint64_t pairs = 10'000;
+  bool all = false;
+};
+
+int verify_file(const std::string& file, const VerifyOptions& options, int threads, bool quiet, bool json) {
+  check_step_range(options.steps);
+  const Result result = whole_result(file);
+  const StepRange steps = step_range(options.steps, result.steps(), file);
+  if (threads == 0) threads = int(std::max(1u, std::thread::hardware_concurrency()));
+  const Verified verified =
+      verify(result, steps, options.all ? std::nullopt : std::optional(options.pairs), threads, quiet);
+  put(json ? verified_json(verified, result, file) : verified_text(verified, result));
+  if (!verified.difference) return kDone;
+  std::fprintf(stderr, "%s\n", one_line(file + ": " + difference_text(verified, result), 1 << 16).c_str());
+  return kFailed;
+}
+
+int score_file(const std::string& file, const std::string& baseline, const ScoreOptions& options, bool json) {
+  const Score scored = score(whole_result(file), baseline, options);
+  put(json ? score_json(scored, file, baseline) : score_text(scored, baseline));
+  if (options.write || scored.same()) return kDone;
+  std::fprintf(stderr, "%s: differs from %s; if that is meant, record it with --write\n", file.c_str(),
+               baseline.c_str());
+  return kFailed;
 }
 
 int dispatch(int argc, const char* const* argv) {
@@ -95,6 +135,44 @@ int dispatch(int argc, const char* const* argv) {
   show_command->add_option("FILE", file, "Result file, or the FILE.part of an unfinished run")->required();
   show_command->add_flag("--json", json, "Print JSON");
 
+  VerifyOptions verify_options;
+  CLI::App* verify_command =
+      app.add_subcommand("verify", "Recheck the truth of a result with an independent oracle in exact arithmetic");
+  verify_command->add_option("FILE", file, "Result file")->required();
+  verify_command->add_option("--steps", verify_options.steps,
+                             "A:B, from step A up to, not including, B; all by default");
+  verify_command
+      ->add_option("--pairs", verify_options.pairs, "So many sampled pairs whose boxes touch (10000), always the same")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 62));
+  verify_command->add_flag("--all", verify_options.all, "All pairs")->excludes("--pairs");
+  verify_command->add_option("--threads", options.threads, "0: all cores")->check(CLI::Range(0, 1024));
+  verify_command->add_flag("--quiet", options.quiet, "No progress on stderr");
+  verify_command->add_flag("--json", json, "Print JSON");
+
+  std::string baseline;
+  double tolerance = 0;
+  ScoreOptions score_options;
+  CLI::App* score_command = app.add_subcommand("score", "Compare a result with a recorded baseline, or record one");
+  score_command->add_option("FILE", file, "Result file")->required();
+  score_command->add_option("--against", baseline, "Baseline, a JSON file")->required();
+  score_command->add_flag("--write", score_options.write, "Record: make or replace the baseline");
+  CLI::Option* times_flag = score_command->add_flag("--times", score_options.times,
+                                                    "Compare (or record) times too, as ratios within the run");
+  CLI::Option* tolerance_option =
+      score_command
+          ->add_option("--tolerance", tolerance, "A time ratio changed by more than this factor is a difference")
+          ->check(CLI::Range(1.0, 1e6))
+          ->needs(times_flag);
+  score_command->add_flag("--json", json, "Print JSON");
+  ExportOptions vtk;
+  std::string steps = ":", vtk_folder;
+  CLI::App* export_command = app.add_subcommand("export", "Write steps as VTP files that ParaView opens");
+  export_command->add_option("FILE", file, "Result file")->required();
+  export_command->add_option("--vtk", vtk_folder, "Folder for the files and their .pvd index")->required();
+  export_command->add_option("--steps", steps, "A:B, from step A up to, not including, B; all by default");
+  export_command->add_flag("--force", vtk.force, "Replace an earlier export in the folder");
+  export_command->add_flag("--quiet", vtk.quiet, "No progress on stderr");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version
@@ -107,6 +185,11 @@ int dispatch(int argc, const char* const* argv) {
   if ((run_command->count("--output") || check_command->count("--output")) && output.empty())
     throw Error(kUsage, "-o: must name a file, not nothing");
   options.output = output;
+  if (*tolerance_option) {
+    if (!(tolerance >= 1)) throw Error(kUsage, "--tolerance: must be a factor of at least 1");  // Range lets nan pass
+    score_options.tolerance = tolerance;
+  }
+  if (*score_command) return score_file(file, baseline, score_options, json);
   if (*list_command) {
     put(json ? list_json(what) : list_text(what));
     return kDone;
@@ -134,12 +217,25 @@ int dispatch(int argc, const char* const* argv) {
     return kDone;
   }
 
-  warn(suspicions());
   struct sigaction action = {};
   action.sa_handler = on_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is told by write, like a full disk
+  if (*verify_command) return verify_file(file, verify_options, options.threads, options.quiet, json);
+  if (*export_command) {
+    if (vtk_folder.empty()) throw Error(kUsage, "--vtk: must name a folder, not nothing");
+    check_step_range(steps);
+    const Result result = whole_result(file);
+    vtk.folder = vtk_folder;
+    vtk.name = export_name(file);
+    vtk.steps = step_range(steps, result.steps(), file);
+    const std::uint64_t mebibytes = (export_bytes(result, vtk) >> 20) + 1;
+    put(std::to_string(vtk.steps.size()) + " steps, about " + std::to_string(mebibytes) + " MiB\n");
+    put(write_vtk(result, vtk).string() + "\n");
+    return kDone;
+  }
+  warn(suspicions());
   if (*run_command) {
     const Config config = read_config(config_path, sets);
     warn(config.notes);

@@ -77,7 +77,7 @@ void Target::rename_into_place() {
 void Target::fail() const {
   const int error = errno;
   throw Error(kFile, path_.string() + ": cannot be written (" + std::strerror(error) +
-                         "); free or allow the place, or choose another -o");
+                         "); free or allow the place, or choose another");
 }
 
 }  // namespace pipeline

@@ -4,6 +4,7 @@ import os
 import pathlib
 import subprocess
 import sys
+import tomllib
 
 import pytest
 
@@ -29,3 +30,31 @@ def result_file(request, tmp_path_factory):
     command = [request.getfixturevalue("pipeline"), "run", str(ROOT / "configs" / "smoke.toml"), "-o", str(path)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return path
+
+
+# Of the configurations with scenes: every one, few steps of the slow ones, and enough that something meets.
+SCENES = [
+    path
+    for path in sorted((ROOT / "configs").glob("*.toml"))
+    if "scene" in tomllib.loads(path.read_text(encoding="utf-8"))
+]
+STEPS = {"kostka": 100, "hriste": 400, "replay_example": None, "padani": 30, "smoke": 40}
+
+
+@pytest.fixture(scope="session")
+def small_file(pipeline, tmp_path_factory):
+    """config -> the path of a small result of it, made once."""
+    folder, made = tmp_path_factory.mktemp("small"), {}
+
+    def small(config):
+        if config not in made:
+            path = folder / f"{config.stem}.h5"
+            steps = STEPS.get(config.stem, 4)
+            command = [pipeline, "run", str(config), "-o", str(path), "--quiet", "--set", "timing.repeats=1"]
+            subprocess.run(
+                command + (["--set", f"steps={steps}"] if steps else []), check=True, stdout=subprocess.DEVNULL
+            )
+            made[config] = path
+        return made[config]
+
+    return small

@@ -104,7 +104,7 @@ def test_list_names_what_configurations_can_name(what):
 def test_version_and_help_everywhere():
     version = pipeline("--version")
     assert version.returncode == DONE and version.stdout.startswith("0.")
-    for command in ([], ["run"], ["check"], ["list"], ["show"], ["detect"]):
+    for command in ([], ["run"], ["check"], ["list"], ["show"], ["export"], ["detect"], ["verify"], ["score"]):
         run = pipeline(*command, "--help")
         assert run.returncode == DONE and "--help" in run.stdout
 

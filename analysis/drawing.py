@@ -1,0 +1,244 @@
+"""What the figures of the thesis share: names, captions, the steps that there are, and how a part says why it is not
+drawn."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from matplotlib.ticker import EngFormatter, LogLocator
+
+from analysis import pareto
+
+MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
+BINS = 150  # points of a line over steps: more are closer than a line is wide
+
+
+class NotDrawn(Exception):
+    """A part cannot be drawn; the text says why."""
+
+
+def guarded(name, make, *arguments, done="drawn"):
+    """What make(*arguments) gives, or the sentence why it is not drawn."""
+    try:
+        return make(*arguments)
+    except NotDrawn as why:
+        return f"{name}: not {done}, {why}."
+    except KeyError as error:  # a group, column or attribute
+        return f"{name}: not {done}, the file lacks something: {plain(error)}."
+    except (ValueError, OSError, AttributeError) as error:
+        return f"{name}: not {done}, the file is not as expected: {plain(error)}."
+
+
+def plain(error):
+    return " ".join(str(error).split()).strip("'\"")
+
+
+@dataclass(frozen=True)
+class Steps:
+    """A run, step by step: the n steps that were simulated, A algorithms.
+
+    time_ns, hits: (n, A); truth: (n) pairs that meet; bodies: (n) how many are there, fixed ones included.
+    """
+
+    labels: list
+    time_ns: np.ndarray
+    hits: np.ndarray
+    truth: np.ndarray
+    bodies: np.ndarray
+
+    @property
+    def full(self):
+        """The steps at which all bodies are there: what varies here does not follow their number."""
+        return self.bodies == self.bodies.max()
+
+    @property
+    def grows(self):
+        return self.bodies.min() < self.bodies.max()
+
+
+def steps_of(run):
+    """Raises NotDrawn when the file has no algorithm, no step, or an integration failed at once."""
+    labels, steps = run.meta["algorithms"], simulated(run)
+    if not labels:
+        raise NotDrawn("the file has no answers of any algorithm")
+    if steps < 2:
+        raise NotDrawn(f"the file has {steps} steps that were simulated")
+    table = run.per_step
+    if table.empty:
+        raise NotDrawn("the file has no /results")
+    column = {
+        name: table[name].to_numpy(dtype=float).reshape(-1, len(labels))[:steps]
+        for name in ("time_ns", "hits", "true_positive", "false_negative")
+    }
+    first = run.bodies.first_step.to_numpy()
+    there = (first >= 0) & (first <= np.arange(steps)[:, None])
+    truth = column["true_positive"][:, 0] + column["false_negative"][:, 0]
+    return Steps(labels, column["time_ns"], column["hits"], truth, there.sum(axis=1))
+
+
+def simulated(run):
+    """How many steps there are before an integration failed."""
+    if run.physics is None or run.physics.attrs["status"] == "complete":
+        return run.meta["steps"]
+    return int(run.physics.energy.notna().cumprod().sum())
+
+
+def cut(run):
+    """What a caption says when an integration failed, else ""."""
+    if run.physics is None or run.physics.attrs["status"] == "complete":
+        return ""
+    return f" The integration {run.physics.attrs['status']}; the {simulated(run)} steps before it are drawn."
+
+
+def chosen(run):
+    """The labels that a figure draws, MOST_DRAWN at most: first those as published, under their own name, then the
+    first of each algorithm, the second, and so on, in the file's order."""
+    labels, seen, rank = run.meta["algorithms"], {}, {}
+    for label in labels:
+        name = algorithm(run, label)
+        seen[name] = seen.get(name, 0) + (label != name)
+        rank[label] = 0 if label == name else seen[name]
+    picked = sorted(labels, key=lambda label: (rank[label], labels.index(label)))[:MOST_DRAWN]
+    return sorted(picked, key=labels.index)
+
+
+def left_out(run):
+    """What a caption says about labels that are not drawn, else ""."""
+    more = len(run.meta["algorithms"]) - MOST_DRAWN
+    return f" Of {len(run.meta['algorithms'])} labels {MOST_DRAWN} are drawn; the table has all." if more > 0 else ""
+
+
+def algorithm(run, label):
+    return run.meta["answers"][label].get("name", label)
+
+
+def key(run, label):
+    """The thesis's letter of an algorithm as published; "" for others and for other knobs."""
+    return run.meta["answers"][label].get("thesis_key", "") if label == algorithm(run, label) else ""
+
+
+def short(run, label):
+    return key(run, label) or shortened(label)
+
+
+def full(run, label):
+    """Letter and label, short enough for the head of a small panel."""
+    return f"{key(run, label)} {shortened(label)}".strip()
+
+
+def shortened(text, most=22):
+    return text if len(text) <= most else text[: most - 9] + "…" + text[-8:]
+
+
+def listed(names):
+    """a; a and b; a, b and c."""
+    names = list(names)
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def machine(run):
+    """Where and with what the algorithms were timed; says so when that is not one machine and build."""
+    places = {}
+    for label, answers in run.meta["answers"].items():
+        places.setdefault(pareto.machine(answers), []).append(label)
+    if len(places) < 2:
+        return f"timed on {next(iter(places), 'nothing')}"
+    each = "; ".join(
+        f"{listed(labels) if len(labels) < 4 else f'{len(labels)} algorithms'} on {place}"
+        for place, labels in places.items()
+    )
+    return f"TIMED ON DIFFERENT MACHINES OR BUILDS, so times are not comparable between them: {each}"
+
+
+def caption(run, what, thesis=""):
+    """what: what is drawn and how many (sentences); thesis: the figures of the thesis that it answers."""
+    config = f"“{run.meta.get('title', '')}” (sha256 {run.meta.get('config_sha256', 'unknown')[:10]})"
+    text = f"{what}{cut(run)} {pareto.name(run)}, configuration {config}, {machine(run)}."
+    return f"{text} Answers {thesis} of the thesis." if thesis else text
+
+
+def binned(values, reduce, bins=BINS):
+    """(middle steps, values reduced over each of at most `bins` equal stretches of steps). values: (n, ...)."""
+    edges = np.linspace(0, len(values), min(bins, len(values)) + 1).astype(int)
+    middle = (edges[:-1] + edges[1:] - 1) / 2
+    return middle, np.array([reduce(values[a:b], axis=0) for a, b in zip(edges, edges[1:])])
+
+
+def stretch(values):
+    """How many steps are in one point of a line, at most."""
+    return -(-len(values) // BINS)
+
+
+def stretches(columns, reduce, count=10):
+    """What a line over steps shows, in few numbers: a row per name of `columns` (name -> (n) values), `reduce` over each
+    of `count` equal stretches of steps."""
+    length = len(next(iter(columns.values())))
+    edges = np.linspace(0, length, min(count, length) + 1).astype(int)
+    heads = [f"steps {a} to {b - 1}" if b - a > 1 else f"step {a}" for a, b in zip(edges, edges[1:])]
+    rows = {name: [reduce(values[a:b]) for a, b in zip(edges, edges[1:])] for name, values in columns.items()}
+    return pd.DataFrame.from_dict(rows, orient="index", columns=heads)
+
+
+def correlation(x, y):
+    """Pearson's; NaN when one does not vary."""
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if len(x) < 3 or np.ptp(x) == 0 or np.ptp(y) == 0:
+        return np.nan
+    return float(np.corrcoef(x, y)[0, 1])
+
+
+def seconds(axis):
+    """Ticks of an axis in seconds: "10 µs"."""
+    axis.set_major_formatter(EngFormatter("s", sep=" "))
+
+
+def log_seconds(axes, which="y"):
+    """A logarithmic axis of seconds; after the lines, for it divides a short range more finely."""
+    axes.set(**{f"{which}scale": "log"})
+    axis = getattr(axes, f"{which}axis")
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,), numticks=15))
+    axes.minorticks_off()
+    seconds(axis)
+
+
+def time_text(ns):
+    """1234.5 -> "1.23 µs"; three digits."""
+    for unit, scale in (("s", 1e9), ("ms", 1e6), ("µs", 1e3)):
+        if abs(ns) >= scale:
+            return f"{digits(ns / scale)} {unit}"
+    return f"{digits(ns)} ns"
+
+
+def digits(value):
+    """Three digits, without exponent where that is short: 0.0123, 1.23, 123, 12345."""
+    if not np.isfinite(value) or 0 < abs(value) < 1e-4:
+        return f"{value:.3g}"
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def label_ends(axes, ends, gap=12):
+    """Names lines at their right end, `gap` points apart at least. ends: [(y, text, colour)], y in data."""
+    axes.figure.draw_without_rendering()  # the layout decides how far apart they are
+    points = axes.figure.dpi / 72
+    place = [axes.transData.transform((0, y))[1] / points if y > 0 else -np.inf for y, _, _ in ends]
+    low, high = (axes.transAxes.transform((0, y))[1] / points for y in (0, 1))
+    order = np.argsort(place, kind="stable")
+    at = np.clip(np.array(place)[order], low, high)
+    for i in range(1, len(at)):  # push up, then down from the top where that went too far
+        at[i] = max(at[i], at[i - 1] + gap)
+    for i in range(len(at) - 1, -1, -1):
+        at[i] = min(at[i], high if i == len(at) - 1 else at[i + 1] - gap)
+    for i, y in zip(order, at):
+        axes.annotate(ends[i][1], (1, (y - low) / (high - low)), xycoords="axes fraction", xytext=(5, 0),
+                      textcoords="offset points", va="center", color=ends[i][2], fontsize=9)  # fmt: skip
+
+
+def panels(figure, count, columns=3):
+    """rows for `count` small panels, and what turns surplus axes off."""
+    rows = -(-count // columns)
+    fig, axes = figure(rows, columns, height=1.55 * rows + 0.5, squeeze=False)
+    axes = axes.ravel()
+    for surplus in axes[count:]:
+        surplus.set_axis_off()
+    return fig, axes[:count]

@@ -1,0 +1,175 @@
+"""What a report is made of, and how everything in it is drawn.
+
+A Section is a named list of parts: figures, tables and paragraphs. Figures are inline SVG: they stay sharp in print,
+can be searched, and the same data give the same bytes.
+"""
+
+import hashlib
+import html
+import io
+import re
+import zlib
+from dataclasses import dataclass
+
+import matplotlib
+
+matplotlib.use("svg")  # no display is asked for
+import matplotlib.pyplot as plt
+import pandas as pd
+
+# Okabe and Ito's colours, told apart by colour-blind readers; their yellow is left out, it is too pale on white.
+PALETTE = {
+    "blue": "#0072B2",
+    "orange": "#E69F00",
+    "green": "#009E73",
+    "vermilion": "#D55E00",
+    "purple": "#CC79A7",
+    "sky": "#56B4E9",
+    "black": "#000000",
+    "grey": "#767676",
+}
+
+WIDTH = 6.0  # inches; at 9.5 points text is read on a phone, where the figure is about 340 pixels wide
+HEIGHT = 4.0
+
+SETTINGS = {
+    "svg.fonttype": "none",  # text stays text
+    "svg.hashsalt": "collision_benchmark",
+    "figure.figsize": (WIDTH, HEIGHT),
+    "figure.dpi": 72,
+    "figure.constrained_layout.use": True,
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 9.5,
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#555555",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#E3E3E3",
+    "grid.linewidth": 0.7,
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "xtick.color": "#333333",
+    "ytick.color": "#333333",
+    "legend.fontsize": 9,
+    "legend.frameon": False,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 6,
+}
+
+_STYLES = {
+    "obb_sat": ("blue", "o", "-"),
+    "bounding_sphere": ("sky", "s", "-"),
+    "rotated_aabb": ("green", "^", "-"),
+    "facet_distance": ("vermilion", "D", "-"),
+    "obb_corners": ("orange", "v", "-"),
+    "facet_vectors": ("purple", "P", "-"),
+    "obb_triangles": ("grey", "X", "-"),
+    "facet_triangles": ("black", "<", "-"),
+    "facet_rotations": ("grey", ">", "--"),
+    "cannon_naive": ("purple", "h", "--"),
+    "cannon_sap": ("vermilion", "h", "--"),
+    "aabb": ("green", "d", "--"),
+    "exact": ("black", "*", "-"),
+    "exact_cold": ("black", "*", ":"),
+    "fcl_bvh": ("blue", "p", "--"),
+}
+_MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "d", "p"]
+_LINES = ["--", ":", "-."]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture that states a finding.
+
+    title: its finding, one sentence computed from the data; svg: inline SVG, as svg_of gives it; caption: what, how
+    many, configuration, commit, machine; table: the numbers that are drawn; key: its anchor, unique in the report.
+    """
+
+    title: str
+    svg: str
+    caption: str
+    table: pd.DataFrame
+    key: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table that is read as such. caption: units and how many."""
+
+    title: str
+    frame: pd.DataFrame
+    caption: str
+
+
+@dataclass(frozen=True)
+class Text:
+    """Lines to be read as they are, folded under their title."""
+
+    title: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """parts: Figure, Table, Text, or str (one paragraph of plain text)."""
+
+    title: str
+    parts: list
+
+
+def style(name):
+    """color, marker and linestyle of the algorithm `name`, as keywords of matplotlib; the same in every figure.
+
+    An algorithm that this module does not know gets one of its own name, so it keeps it too.
+    """
+    picked = _STYLES.get(name)
+    if not picked:
+        taken = {(colour, marker) for colour, marker, _ in _STYLES.values()}
+        free = [(colour, marker) for colour in PALETTE for marker in _MARKERS if (colour, marker) not in taken]
+        number = zlib.crc32(name.encode())
+        picked = *free[number % len(free)], _LINES[number // len(free) % len(_LINES)]
+    return {"color": PALETTE[picked[0]], "marker": picked[1], "linestyle": picked[2]}
+
+
+def figure(rows=1, columns=1, height=HEIGHT, width=WIDTH, **more):
+    """A matplotlib figure and its axes in the report's settings; `more` as of plt.subplots."""
+    with plt.rc_context(SETTINGS):
+        return plt.subplots(rows, columns, figsize=(width, height), **more)
+
+
+def svg_of(fig, titles=None):
+    """`fig` as SVG to be put into HTML; closes it.
+
+    No XML header, no metadata, no address of any network; text is text. Identifiers that nothing refers to are dropped,
+    the others start with a digest of the content, so several figures live on one page.
+    titles: gid of an artist -> text that a browser shows when the pointer is over it. A text with the gid "halo" stands
+    on white, so lines below it do not hurt.
+    """
+    with plt.rc_context(SETTINGS):
+        target = io.StringIO()
+        fig.savefig(target, format="svg", metadata={"Date": None})
+    plt.close(fig)
+    text = target.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r"<style type=\"text/css\">.*?</style>", "", text, flags=re.DOTALL)
+    text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
+    text = text.replace("xlink:href=", "href=")
+    text = re.sub(r' xmlns(:xlink)?="[^"]*"', "", text)
+    for gid, words in (titles or {}).items():
+        text = text.replace(f'<g id="{gid}">', f"<g><title>{html.escape(words)}</title>")
+    halo = "paint-order:stroke;stroke:#fff;stroke-width:2.5px;stroke-linejoin:round"
+    text = text.replace('<g id="halo">', f'<g style="{halo}">')
+    prefix = "f" + hashlib.sha256(text.encode()).hexdigest()[:10]
+    used = set(re.findall(r'href="#([^"]+)"', text)) | set(re.findall(r"url\(#([^)]+)\)", text))
+    text = re.sub(r' id="([^"]+)"', lambda found: f' id="{prefix}{found[1]}"' if found[1] in used else "", text)
+    text = re.sub(r'href="#', f'href="#{prefix}', text)
+    text = re.sub(r"url\(#", f"url(#{prefix}", text)
+    text = re.sub(r'<svg ([^>]*?)(width|height)="[\d.]+pt" ', r"<svg \1", text)
+    text = re.sub(r'<svg ([^>]*?)(width|height)="[\d.]+pt" ', r"<svg \1", text)
+    text = text.replace("<svg ", '<svg style="stroke-linejoin:round;stroke-linecap:butt" ', 1)
+    return re.sub(r"\n\s*", "\n", text).strip()

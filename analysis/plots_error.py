@@ -1,0 +1,413 @@
+"""Error against time and against operations: the pictures that the project is for."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, NullLocator
+
+from analysis import labels, pareto
+from analysis.figure import Figure, figure, style, svg_of
+
+NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
+HEIGHT = 4.7  # inches, without the legend
+MARGIN = {"left": 46, "right": 10, "top": 8, "bottom": 40}  # points
+STRIP = 34  # points: the height of the strip for no error
+TEXT = 9
+
+COSTS = {
+    "time_mean_ns": "mean time per step",
+    "operations": "mean operations per step",
+}
+
+
+def time(ns):
+    """A time with its unit, three digits."""
+    if not np.isfinite(ns):
+        return "–"
+    unit, name = next(((u, n) for u, n in ((1e9, "s"), (1e6, "ms"), (1e3, "µs")) if ns >= u * 0.9995), (1, "ns"))
+    return f"{number(ns / unit)} {name}"
+
+
+def number(value):
+    """Three digits; more of them in full, with narrow spaces from five on."""
+    if not np.isfinite(value):
+        return "–"
+    if abs(value) >= 999.5:
+        return f"{value:,.0f}".replace(",", "\u202f" if abs(value) >= 9999.5 else "")
+    return f"{value:.3g}"
+
+
+def against(scene, points, cost, key, apart=""):
+    """The figure of `points` (some rows of scene.points) over `cost`, a key of COSTS.
+
+    apart: a sentence that says why other points are not here. Points without a cost above 0 cannot stand on a
+    logarithmic axis: the caption names them.
+    """
+    points = points.reset_index(drop=True)
+    seen = np.isfinite(points[cost]) & (points[cost] > 0) & np.isfinite(points.error)
+    left_out = list(points.label[~seen])
+    points = points[seen].reset_index(drop=True)
+    points["front"] = pareto.front(points[cost], points.error) if len(points) else False
+    caption = " ".join(filter(None, [_caption(scene, points, cost), apart, _left_out(left_out)]))
+    return Figure(finding(points, cost), _draw(points, cost), caption, _table(points, cost, scene), key)
+
+
+def finding(points, cost):
+    """What the figure shows, as a sentence."""
+    show = time if cost == "time_mean_ns" else lambda value: f"{number(value)} operations"
+    cheapest = "fastest" if cost == "time_mean_ns" else "cheapest"
+    if not len(points):
+        return "No algorithm has a cost that could be drawn"
+    worth = points[points.front].sort_values([cost, "error"]).reset_index(drop=True)
+    best, first = worth.iloc[-1], worth.iloc[0]
+    right = "makes no error" if best.error == 0 else f"errs {number(best.error)}"
+    if len(points) == 1:
+        return f"{best.label} {right} at {show(best[cost])}; it is alone, there is nothing to compare it with"
+    if (points.error == 0).all():
+        return f"No algorithm errs on this scene; {first.label} is the {cheapest}, {show(first[cost])}"
+    if len(worth) == 1 or first.error == best.error:
+        least = "makes no error" if best.error == 0 else f"errs least, {number(best.error)},"
+        return f"{first.label} {least} and is also the {cheapest}, {show(first[cost])}: no other is worth its cost here"
+    second = worth[worth.error > best.error].iloc[-1]
+    least = "makes no error" if best.error == 0 else f"errs least, {number(best.error)},"
+    words = (
+        f"{best.label} {least} at {show(best[cost])}; nothing {cheapest[:-3]}er errs less than {number(second.error)} "
+    )
+    words += f"({second.label}, {show(second[cost])})"
+    if first.label != second.label:
+        words += f"; the {cheapest}, {first.label} at {show(first[cost])}, errs {number(first.error)}"
+    return words
+
+
+def kinds(scene, key):
+    """The figure of both kinds of error: the share of true pairs that is missed, and false reports per true pair."""
+    points = scene.points.sort_values(["error", "time_mean_ns"]).reset_index(drop=True)
+    met = float(scene.runs[0].truth_hits.sum())
+    table = pd.DataFrame({
+        "label": points.label,
+        "missed (% of what meets)": points.false_negative / met * 100 if met else np.nan,
+        "invented (per pair that meets)": points.false_positive / met if met else np.nan,
+        "false negatives": points.false_negative.astype("int64"),
+        "false positives": points.false_positive.astype("int64"),
+        "error": points.error,
+    })  # fmt: skip
+    drawn = table.iloc[:NAMED]
+    rest = (
+        ""
+        if len(drawn) == len(table)
+        else f" The {NAMED} with the smallest error of {len(table)} are drawn, all are below."
+    )
+    caption = (
+        f"{scene.title}: {len(table)} labels, the smallest error first; {number(met)} pairs truly meet over all"
+        f" steps.{rest}"
+    )
+    missed = drawn["missed (% of what meets)"] if met else drawn["false negatives"]
+    invented = drawn["invented (per pair that meets)"] if met else drawn["false positives"]
+    fig, (left, right) = figure(1, 2, height=0.75 + 0.2 * max(len(drawn), 3), sharey=True)
+    rows = np.arange(len(drawn))[::-1]
+    for axes, values, colour, words in (
+        (left, missed, "#D55E00", "missed, % of what meets" if met else "missed"),
+        (right, invented, "#0072B2", "invented per pair that meets" if met else "invented"),
+    ):
+        axes.barh(rows, values, color=colour, height=0.72)
+        axes.set_xlabel(words)
+        axes.grid(axis="y", visible=False)
+        axes.set_xlim(0, max(values.max(), 1e-9) * 1.22)
+        for row, value in zip(rows, values):
+            axes.text(value, row, f" {number(value)}", va="center", fontsize=8, color="#111111" if value else "#767676")
+        axes.tick_params(axis="y", length=0)
+        axes.locator_params(axis="x", nbins=4)
+    left.set_yticks(rows, drawn.label, fontsize=8.5)
+    left.set_ylim(-0.6, len(drawn) - 0.4)
+    return Figure(_kinds_finding(points, met), svg_of(fig), caption, table, key)
+
+
+def _kinds_finding(points, met):
+    if not met:
+        return f"No pair meets; {(points.hits == 0).sum()} of {len(points)} report none either"
+    none_missed, none_invented = (points.false_negative == 0).sum(), (points.false_positive == 0).sum()
+    misses = points.loc[points.false_negative.idxmax()]
+    invents = points.loc[points.false_positive.idxmax()]
+    words = f"{none_missed} of {len(points)} miss nothing, {none_invented} invent nothing"
+    if misses.false_negative:
+        words += f"; {misses.label} misses most, {number(misses.false_negative / met * 100)} % of what meets"
+    if invents.false_positive:
+        words += f"; {invents.label} invents most, {number(invents.false_positive / met)} for every pair that meets"
+    return words
+
+
+def _caption(scene, points, cost):
+    run = scene.runs[0]
+    units = (
+        "Each algorithm's operations are elementary tests of its own kind (named below); they are the same on every"
+        " machine."
+    )
+    what = "Time is the mean over steps of the fastest repeat, one thread, preparation of bodies included."
+    machines = " ".join(f"Timed on {machine}." for machine in dict.fromkeys(points.machine)) if len(points) else ""
+    configs = ", ".join(dict.fromkeys(f"{r.meta.get('config_sha256', '?')[:12]}" for r in scene.runs))
+    commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
+    hits = int(run.truth_hits.sum())
+    return (
+        f"{scene.title}: {len(points)} labels, {number(run.meta['steps'])} steps, {len(run.meta['bodies'])} bodies,"
+        f" {number(hits)} pairs truly meet over all steps. Down and to the left is better; the dashed line is the"
+        f" Pareto front: nothing below it is cheaper. {what if cost == 'time_mean_ns' else units} Configuration"
+        f" {configs}, motion and truth of commit {commits}. " + (machines if cost == "time_mean_ns" else "")
+    ).strip()
+
+
+def _left_out(names):
+    return f"Not drawn, being without a cost above 0: {', '.join(names)}." if names else ""
+
+
+def _table(points, cost, scene):
+    table = pd.DataFrame({"label": points.label, "error": points.error})
+    if cost == "time_mean_ns":
+        table["mean time (µs)"] = points[cost] / 1e3
+    else:
+        table["operations per step"] = points[cost]
+        table["unit"] = points.unit
+    table["on the front"] = points.front
+    table["algorithm"] = points.algorithm
+    table["scope"] = points.scope
+    table["promise"] = points.promise
+    if len(scene.runs) > 1:
+        table["file"] = points.file
+    return table.sort_values(table.columns[2], ignore_index=True)
+
+
+def _draw(points, cost):
+    crowded = len(points) > NAMED
+    lines = pareto.sweeps(points) if len(points) else []
+    joined = pareto.relatives(points, cost) if len(points) else []
+    legend = _legend(points, crowded, lines, joined)
+    rows = -(-len(legend) // 3)
+    below = MARGIN["bottom"] + 13 * rows + 4
+    fig, (main, strip) = figure(
+        2, height=HEIGHT + 0.7 * crowded + 13 * rows / 72, sharex=True, constrained_layout=False
+    )
+    width, height = (size * 72 for size in fig.get_size_inches())
+    left, right = MARGIN["left"] / width, 1 - MARGIN["right"] / width
+    strip.set_position([left, below / height, right - left, STRIP / height])
+    main.set_position(
+        [left, (below + STRIP + 6) / height, right - left, (height - below - STRIP - 6 - MARGIN["top"]) / height]
+    )
+    _axes(main, strip, points, cost)
+
+    titles = {}
+    show = time if cost == "time_mean_ns" else lambda value: f"{number(value)} operations"
+    for row, point in points.iterrows():
+        look = style(point.algorithm)
+        axes, y = (strip, 0) if point.error == 0 else (main, point.error)
+        size = 5 if crowded else 7
+        if look["marker"] == "*":
+            size += 3
+        mark = {
+            "color": look["color"],
+            "marker": look["marker"],
+            "markersize": size,
+            "linestyle": "none",
+            "clip_on": False,
+        }
+        mark |= {"markerfacecolor": "white" if point.scope == "scene" else look["color"], "zorder": 4}
+        mark |= {"markeredgewidth": 1.5 if point.scope == "scene" else 0.4}
+        mark |= {} if point.scope == "scene" else {"markeredgecolor": "white"}
+        titles[f"mark{row}"] = f"{point.label}: error {number(point.error)}, {show(point[cost])}"
+        axes.plot([point[cost]], [y], gid=f"mark{row}", **mark)
+        for marked, shape, wider in ((point.exact, "o", 6), (point.library, "s", 9)):
+            if marked:
+                ring = {
+                    "marker": shape,
+                    "markersize": size + wider,
+                    "markerfacecolor": "none",
+                    "markeredgecolor": "#333333",
+                }
+                axes.plot([point[cost]], [y], **ring, markeredgewidth=1, linestyle="none", clip_on=False, zorder=3)
+
+    drawn = []
+    for algorithm, _, rows in lines:
+        drawn += _line(main, points, cost, algorithm, rows, "-", 1.3)
+    for algorithm, rows in joined:
+        drawn += _line(main, points, cost, algorithm, rows, (0, (1, 2)), 1)
+    drawn += _front(main, strip, points, cost)
+    _name(fig, main, strip, points, cost, drawn, crowded, lines, joined)
+    if legend:
+        fig.legend(
+            handles=legend,
+            loc="lower left",
+            bbox_to_anchor=(0, 0),
+            ncol=3,
+            frameon=False,
+            fontsize=TEXT,
+            handletextpad=0.5,
+            columnspacing=1.2,
+            labelspacing=0.35,
+            borderaxespad=0.3,
+            handlelength=1.8,
+        )
+    return svg_of(fig, titles)
+
+
+def _axes(main, strip, points, cost):
+    main.set_xscale("log")
+    main.set_yscale("log")
+    errors, costs = points.error[points.error > 0] if len(points) else [], points[cost] if len(points) else []
+    low, high = (min(errors), max(errors)) if len(errors) else (0.1, 1)
+    room = max((high / low) ** 0.08, 1.04)
+    main.set_ylim(low / room, min(high * room, 1.03) if high <= 1 else high * room)
+    low, high = (min(costs), max(costs)) if len(costs) else (1, 10)
+    room = max((high / low) ** 0.07, 1.25)
+    main.set_xlim(low / room, high * room)
+    for axis, limits, least, shown in (
+        (main.yaxis, main.get_ylim(), 3, lambda v, _: f"{v:g}"),
+        (strip.xaxis, main.get_xlim(), 3, (lambda v, _: time(v)) if cost == "time_mean_ns" else lambda v, _: _short(v)),
+    ):
+        axis.set_major_locator(_fixed(limits, least))
+        axis.set_major_formatter(shown)
+        axis.set_minor_locator(NullLocator())
+    main.tick_params(axis="x", length=0, labelbottom=False)
+    main.spines["bottom"].set_visible(False)
+    main.set_ylabel("error", labelpad=2)
+    strip.set_ylim(-1, 1)
+    strip.set_yticks([0], ["0"])
+    strip.grid(axis="y", visible=False)
+    strip.set_facecolor("#F1F6F1")
+    strip.set_xlabel(COSTS[cost], labelpad=3)
+    if not (len(points) and (points.error == 0).any()):
+        strip.text(
+            0.99,
+            0.5,
+            "none is without error",
+            transform=strip.transAxes,
+            ha="right",
+            va="center",
+            fontsize=TEXT,
+            color="#555555",
+        )
+
+
+def _short(value):
+    for unit, letter in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
+        if value >= unit * 0.9995:
+            return f"{value / unit:g}{letter}"
+    return f"{value:g}"
+
+
+def _fixed(limits, least):
+    """Ticks of a logarithmic axis: powers of ten; more of them until there are `least`."""
+    low, high = limits
+    decades = range(int(np.floor(np.log10(low))) - 1, int(np.ceil(np.log10(high))) + 1)
+    for steps in ([1], [1, 3], [1, 2, 5], [1, 2, 3, 5, 7], list(range(1, 10)), [x / 10 for x in range(10, 100, 2)]):
+        ticks = [step * 10.0**decade for decade in decades for step in steps if low <= step * 10.0**decade <= high]
+        if len(ticks) >= least:
+            break
+    return FixedLocator(ticks)
+
+
+def _line(axes, points, cost, algorithm, rows, dashes, width):
+    """Draws a line through rows with an error; gives its segments in data."""
+    rows = [row for row in rows if points.error[row] > 0]
+    x, y = points[cost][rows].to_numpy(), points.error[rows].to_numpy()
+    axes.plot(x, y, color=style(algorithm)["color"], linestyle=dashes, linewidth=width, alpha=0.75, zorder=2)
+    return [(x[i], y[i], x[i + 1], y[i + 1]) for i in range(len(rows) - 1)]
+
+
+def _front(main, strip, points, cost):
+    """Draws the staircase through the points of the front; gives its segments in data of `main`."""
+    drawn = []
+    worth = points[points.front].sort_values([cost, "error"], ascending=[True, False]) if len(points) else points
+    look = {"color": "#333333", "linewidth": 1, "linestyle": (0, (4, 2)), "zorder": 1}
+    above = worth[worth.error > 0] if len(worth) else worth
+    end = main.get_xlim()[1]
+    free = worth[worth.error == 0] if len(worth) else worth
+    last = free[cost].min() if len(free) else end
+    if len(above):
+        x, y = above[cost].to_numpy(), above.error.to_numpy()
+        x = [x[0], x[0], *np.repeat(x[1:], 2), last]
+        y = [main.get_ylim()[1], *np.repeat(y[:-1], 2), y[-1], y[-1]]
+        main.plot(x, y, **look)
+        drawn = list(zip(x[:-1], y[:-1], x[1:], y[1:]))
+    if len(free):
+        main.plot([last, last], [main.get_ylim()[0], above.error.min() if len(above) else main.get_ylim()[1]], **look)
+        strip.plot([last, last, end], [1, 0, 0], **look)
+    return drawn
+
+
+def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
+    named = set(points.index)
+    if crowded:
+        ends = [rows[end] for _, _, rows in lines for end in (0, -1)] + [
+            rows[end] for _, rows in joined for end in (0, -1)
+        ]
+        named = set(points.index[points.front | points.exact | points.library]) | set(ends)
+    if not named:
+        return
+    places = [
+        (strip if error == 0 else main).transData.transform((x, error)) for x, error in zip(points[cost], points.error)
+    ]
+    pixels = np.array(places)
+    segments = [(*main.transData.transform(s[:2]), *main.transData.transform(s[2:])) for s in drawn]
+    rows = sorted(named, key=lambda row: (not points.front[row], row))
+    weights = ["bold" if points.front[row] else "normal" for row in rows]
+    sizes = np.array([labels.size(points.label[row], TEXT, weight) for row, weight in zip(rows, weights)])
+    box, under = main.get_window_extent(), strip.get_window_extent()
+    region = (box.x0 + 2, under.y0 + 1, box.x1 + 6, box.y1 + 4)
+    radii = (4.0 if crowded else 5.0) + 2.5 * points.exact.to_numpy() + 2.5 * points.library.to_numpy()
+    corners = labels.place(rows, sizes, region, pixels, radii, segments)
+    to_figure = fig.transFigure.inverted()
+    for row, corner, extent, weight in zip(rows, corners, sizes, weights):
+        if np.isnan(corner).any():
+            continue  # no room: its numbers are in the table, its name under the pointer
+        x, y = to_figure.transform(corner)
+        fig.text(
+            x,
+            y,
+            points.label[row],
+            fontsize=TEXT,
+            fontweight=weight,
+            color="#111111",
+            va="bottom",
+            ha="left",
+            zorder=6,
+            gid="halo",
+        )
+        line = labels.leader(corner, extent, pixels[row], radii[row])
+        if line:
+            ends = to_figure.transform([line[:2], line[2:]])
+            fig.add_artist(Line2D(*ends.T, color="#888888", linewidth=0.6, zorder=1.5))
+
+
+def _legend(points, crowded, lines, joined):
+    """What the marks mean, as far as they occur."""
+
+    def entry(label, **look):
+        return Line2D([], [], label=label, **({"linestyle": "none", "color": "#555555", "markersize": 6} | look))
+
+    found = []
+    if not len(points):
+        return found
+    if crowded:
+        for algorithm in dict.fromkeys(points.algorithm):
+            look = style(algorithm)
+            found.append(entry(algorithm, **look | {"linestyle": "none"}))
+    if (points.scope == "pair").any():
+        found.append(entry("filled: visits every pair", marker="o"))
+    if (points.scope == "scene").any():
+        found.append(entry("hollow: whole scene", marker="o", markerfacecolor="white", markeredgewidth=1.5))
+    if points.exact.any():
+        found.append(
+            entry(
+                "ring: promises exactness", marker="o", markersize=8, markerfacecolor="none", markeredgecolor="#333333"
+            )
+        )
+    if points.library.any():
+        found.append(
+            entry(
+                "square: another library", marker="s", markersize=8, markerfacecolor="none", markeredgecolor="#333333"
+            )
+        )
+    found.append(entry("Pareto front (bold names)", linestyle=(0, (4, 2)), linewidth=1, color="#333333"))
+    if lines:
+        found.append(entry("one knob, all else equal", linestyle="-", linewidth=1.3))
+    if joined:
+        found.append(entry("one algorithm, other knobs", linestyle=(0, (1, 2)), linewidth=1.2))
+    return found

@@ -1,0 +1,296 @@
+"""What a report says: results -> sections. How they look is page.py's."""
+
+import json
+
+import pandas as pd
+
+from analysis import pareto, plots_error, thesis_figures
+from analysis.figure import Section, Table, Text
+from analysis.page import page
+from analysis.plots_error import number
+
+SUMMARY = {  # column of the summary -> its head
+    "error": "error",
+    "time_mean_ns": "mean time (µs)",
+    "time_median_ns": "median time (µs)",
+    "time_p95_ns": "95th percentile (µs)",
+    "operations": "operations per step",
+    "false_positive": "false positives",
+    "false_negative": "false negatives",
+    "contained_hit": "contained hits",
+    "hits": "hits",
+    "precision": "precision",
+    "recall": "recall",
+    "matthews": "Matthews",
+}
+
+
+WORDS = """
+pair: Two bodies, not both fixed. Every algorithm answers every pair at every step.
+hit: A pair that an algorithm reports.
+truth: Two bodies meet when some triangle of one meets some triangle of the other; triangles are closed sets, so
+    touching counts. Decided with exact predicates for the world vertices ((r0 x + r1 y) + r2 z) + t as rounded in
+    IEEE doubles.
+contained: A body wholly inside another meets it not by surface. If the configuration records such pairs, hits on them
+    are counted apart, neither right nor wrong; with containment = "meet" they belong to the truth.
+true positive (TP): A hit on a pair that truly meets.
+false positive (FP): A hit on a pair that does not meet: invented.
+false negative (FN): A pair that meets and is not reported: missed.
+error: (FP + FN) / (TP + FP + FN) over all pairs and steps; 0 when the denominator is 0. True negatives are left out
+    on purpose: nearly all pairs are far apart and would make every method look perfect.
+precision, recall: TP / (TP + FP): how many hits are right. TP / (TP + FN): how many meeting pairs are found.
+Matthews: Matthews' correlation coefficient of reported and true, over all pairs: 1 is perfect, 0 is guessing.
+time: One thread, a monotonic clock around an algorithm's own work for one step: what depends on one body, then all
+    pairs. The fastest of the repeats. Times compare within one machine and build only.
+operations: The elementary tests an algorithm really made, its cheap rejections and its prefilter's included: a cost
+    that is the same on every machine.
+promise: conservative: never misses a pair that truly meets; exact: neither misses nor invents; none. A miss that
+    vanishes when boxes and radii grow by 2^-40 of their size is rounding and breaks nothing.
+scope: A pairwise method visits every pair; a whole-scene method has a broad phase of its own and is drawn hollow.
+Pareto front: The labels for which no other is at most as costly and at most as wrong, and better in one of the two.
+"""  # one a line, its further lines indented
+
+
+def report(runs):
+    """The HTML of a report on `runs`, a list of Run; the same files give the same bytes."""
+    titles = " / ".join(dict.fromkeys(pareto.title(run) for run in runs))
+    found = pareto.scenes(runs)
+    return page(f"Collision benchmark: {titles}", lead(runs, found), warnings(runs, found), sections(runs, found))
+
+
+def sections(runs, found):
+    """All sections in their order, the picture that the project is for first; a further one is a line here."""
+    return [
+        error_against_cost(runs, found),
+        summary(runs, found),
+        definitions(),
+        provenance(runs),
+        *thesis_figures.sections(runs),
+    ]
+
+
+def lead(runs, found):
+    """What was run, in a line each."""
+    labels = sum(len(scene.points) for scene in found)
+    lines = [
+        f"How often {labels} approximate collision tests between triangle meshes err, judged by exact answers, and what"
+        " they cost."
+    ]
+    for run in runs:
+        meta = run.meta
+        machine = " on ".join(filter(None, (meta["run"].get("processor"), meta["run"].get("host"))))
+        made = f"{meta.get('build_type', '')} build of commit {meta.get('git_commit', '?')[:7]}"
+        what = f"{number(meta['steps'])} steps of {len(meta['bodies'])} bodies, {len(meta['algorithms'])} labels"
+        lines.append(
+            ", ".join(
+                filter(
+                    None,
+                    [
+                        f"{pareto.title(run)} ({pareto.name(run)}): {what}",
+                        made,
+                        machine,
+                        meta["run"].get("date", "")[:10],
+                    ],
+                )
+            )
+        )
+    return lines
+
+
+def warnings(runs, found):
+    """What a reader must know before believing a number; one line each."""
+    lines = []
+    for run in runs:
+        name, meta = pareto.name(run), run.meta
+        builds = {meta.get("build_type", "")} | {
+            answers.get("build", "").partition(" ")[2] for answers in meta["answers"].values()
+        }
+        if any("debug" in build.lower() for build in builds):
+            lines.append(f"{name}: a debug build timed this; its times mean nothing.")
+        if "dirty" in meta.get("git_commit", ""):
+            lines.append(f"{name}: made by a program whose sources differ from commit {meta['git_commit'][:7]}.")
+        if "openblas" in meta.get("library_versions", "").lower():
+            lines.append(f"{name}: simulated with OpenBLAS; another kind of processor may move otherwise.")
+        if run.physics is not None and run.physics.attrs["status"] != "complete":
+            lines.append(
+                f"{name}: the integration {_sentence(run.physics.attrs['status'])} From there on nothing moves and"
+                " nothing meets."
+            )
+        if not len(meta["algorithms"]):
+            lines.append(f"{name}: no algorithm has answered; `pipeline detect` adds answers to the file.")
+        elif not len(run.summary.columns):
+            lines.append(f"{name}: the summary of the algorithms is missing.")
+        elif len(meta["algorithms"]) == 1:
+            lines.append(f"{name}: only one algorithm, {meta['algorithms'][0]}; nothing can be compared with it.")
+        if not len(run.truth_hits):
+            lines.append(f"{name}: has no truth to judge answers by.")
+        elif run.truth_hits.sum() == 0:
+            lines.append(f"{name}: no two bodies ever meet; whatever is reported is false, and recall says nothing.")
+        if "promise_kept" in run.summary:
+            broken = list(run.summary.index[~run.summary.promise_kept])
+            if broken:
+                lines.append(f"{name}: broke their promise: {', '.join(broken)}. That is an error of the program.")
+        lost = [group for group in _expected(run) if not _has(run, group)]
+        if lost:
+            lines.append(f"{name}: lacks {', '.join(lost)}; what would be drawn from there is left out.")
+    for scene in found:
+        machines = list(dict.fromkeys(scene.points.machine))
+        if len(machines) > 1:
+            lines.append(
+                f"{scene.title}: timed on {len(machines)} different machines or builds ({'; '.join(machines)}). Their"
+                " times are drawn apart; errors and operations compare."
+            )
+    return lines
+
+
+def _sentence(status):
+    return status.rstrip(".") + "."
+
+
+def _expected(run):
+    return ["/bodies", "/motion", "/run"] + (["/results"] if len(run.meta["algorithms"]) else [])
+
+
+def _has(run, group):
+    if group == "/results":
+        return len(run.per_step) > 0 or run.meta["steps"] == 0
+    return bool(run.meta["bodies"]) if group == "/bodies" else bool(run.meta[group[1:]])
+
+
+def error_against_cost(runs, found):
+    parts = [
+        "Each mark is one algorithm with its settings. Its height is the share of wrong answers among all answers that"
+        " matter, its place to the right is what it costs. Whoever wants fewer errors must pay along the dashed front;"
+        " what is above it is never the best choice on this scene."
+    ]
+    if not found:
+        parts = ["There is nothing to draw: no file has answers of an algorithm."]
+    if len(found) > 1:
+        parts.append("Errors and times of different scenes do not compare, so every scene has figures of its own.")
+    for index, scene in enumerate(found, 1):
+        machines = list(dict.fromkeys(scene.points.machine))
+        for place, machine in enumerate(machines, 1):
+            mine = scene.points[scene.points.machine == machine]
+            others = [label for label in scene.points.label if label not in set(mine.label)]
+            apart = ""
+            if others:
+                apart = f"Other machines or builds timed {len(others)} more labels; they have a figure of their own."
+            parts.append(plots_error.against(scene, mine, "time_mean_ns", f"error-time-{index}-{place}", apart))
+        parts.append(plots_error.against(scene, scene.points, "operations", f"error-operations-{index}"))
+        parts.append(plots_error.kinds(scene, f"error-kinds-{index}"))
+    return Section("Error against time", parts)
+
+
+def summary(runs, found):
+    parts = []
+    for scene in found:
+        points = scene.points
+        frame = pd.DataFrame({"algorithm": points.label})
+        for column, head in SUMMARY.items():
+            if column in points:
+                frame[head] = points[column] / 1e3 if column.endswith("_ns") else points[column]
+                if column in ("false_positive", "false_negative", "contained_hit", "hits"):
+                    frame[head] = frame[head].astype("Int64")
+        frame["promise"] = [_promise(point) for point in points.itertuples()]
+        frame["on the front"] = pareto.front(
+            points.time_mean_ns.fillna(float("inf")), points.error.fillna(float("inf"))
+        )
+        machines = {machine: chr(ord("A") + number) for number, machine in enumerate(dict.fromkeys(points.machine))}
+        timed = "Front: of error against mean time."
+        if len(machines) > 1:
+            frame = frame.drop(columns="on the front")
+            frame["timed on"] = points.machine.map(machines)
+            timed = "; ".join(f"{letter}: {machine}" for machine, letter in machines.items())
+            timed = f"Timed on {timed}. Times of different letters do not compare."
+        hits = number(int(scene.runs[0].truth_hits.sum()))
+        caption = (
+            f"{len(points)} labels; counts are sums over {number(scene.runs[0].meta['steps'])} steps, in which"
+            f" {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. {timed}"
+        )
+        parts.append(Table(scene.title, frame, caption))
+        knobs = [
+            (p.label, p.algorithm, json.dumps(p.knobs) if p.knobs else "none", p.unit) for p in points.itertuples()
+        ]
+        lines = "\n".join(
+            f"{label}: {algorithm}, knobs {text}, operations are {unit}" for label, algorithm, text, unit in knobs
+        )
+        parts.append(Text(f"Settings of the {len(points)} labels", lines))
+    return Section("Summary", parts or ["No file has a summary of algorithms."])
+
+
+def _promise(point):
+    if point.promise == "none":
+        return "none"
+    return f"{point.promise}, {'kept' if point.promise_kept else 'BROKEN'}"
+
+
+def definitions():
+    lines = WORDS.strip().replace("\n    ", " ").splitlines()
+    frame = pd.DataFrame([line.split(": ", 1) for line in lines], columns=["word", "what it means here"])
+    return Section("What is measured", [Table("Words", frame, "As in the file, the configuration and README.")])
+
+
+def provenance(runs):
+    columns = {}
+    for number, run in enumerate(runs, 1):
+        name = pareto.name(run)
+        columns[name if name not in columns else f"{name} ({number})"] = pd.Series(_provenance(run))
+    frame = pd.DataFrame(columns)
+    frame = frame[(frame != "").any(axis=1)]
+    frame.index.name = "file"
+    caption = "The digest covers everything but times and names of machines: equal digests are equal results."
+    texts = [
+        Text(f"Configuration of {pareto.name(run)}, after defaults and --set", run.meta["config_effective"])
+        for run in runs
+    ]
+    return Section(
+        "What was run", [Table("Results, builds and machines", frame, caption), *(text for text in texts if text.text)]
+    )
+
+
+def _provenance(run):
+    meta = run.meta
+    answers = meta["answers"].values()
+    libraries = _versions(meta.get("library_versions", "{}"))
+    inputs = _json(meta.get("inputs_sha256", "{}"))
+    containment = meta["truth"].get("containment", "ignore")
+    return {
+        "title": meta.get("title", ""),
+        "steps": (
+            f"{number(meta['steps'])} at {meta['rate']:g} per second"
+            if meta["rate"] == meta["rate"]
+            else str(meta["steps"])
+        ),
+        "bodies": str(len(meta["bodies"])),
+        "pairs that meet": f"{number(int(run.truth_hits.sum()))} over all steps",
+        "containment": containment,
+        "algorithms": str(len(meta["algorithms"])),
+        "integration": (
+            run.physics.attrs["status"] if run.physics is not None else "none: the motion is scripted or replayed"
+        ),
+        "made by": meta.get("creator", ""),
+        "commit": meta.get("git_commit", ""),
+        "build": f"{meta.get('build_type', '')}, {meta.get('compiler', '')}, {meta.get('flags', '')}",
+        "libraries": libraries,
+        "date": meta["run"].get("date", ""),
+        "machine": f"{meta['run'].get('processor', '?')} on {meta['run'].get('host', '?')}",
+        "wall time": f"{meta['run']['wall_time_s']:.1f} s" if "wall_time_s" in meta["run"] else "",
+        "algorithms timed on": "; ".join(dict.fromkeys(map(pareto.machine, answers))),
+        "configuration SHA-256": meta.get("config_sha256", ""),
+        "inputs SHA-256": ", ".join(f"{path} {digest}" for path, digest in inputs.items()),
+        "digest": f"{meta.get('digest', '')} ({meta.get('digest_algorithm', '')})",
+        "digest of motion": meta["motion"].get("digest", ""),
+        "digest of truth": meta["truth"].get("digest", ""),
+        "schema version": str(meta["schema_version"]),
+    }
+
+
+def _versions(text):
+    return ", ".join(f"{name} {version}" for name, version in _json(text).items())
+
+
+def _json(text):
+    try:
+        return dict(json.loads(text))
+    except (TypeError, ValueError):
+        return {}

@@ -1,0 +1,148 @@
+"""Tables 5.1 and 5.2 of the thesis beside this run's times, and the verdicts on its statements as a table."""
+
+import re
+
+import numpy as np
+import pandas as pd
+
+from analysis import thresholds as t
+from analysis.drawing import NotDrawn, caption, digits, key, log_seconds, steps_of
+from analysis.figure import PALETTE, Figure, Table, figure, svg_of
+from analysis.statements import CAREFUL, KEYS, shown, verdicts
+
+# Mean milliseconds per step, Babylon.js in a browser: letter -> (table 5.1, the box; table 5.2, the falling scene).
+THESIS_MS = {
+    "H": (0.1526, 7.2476),
+    "G": (0.1963, 5.3706),
+    "J": (0.9886, 33.922),
+    "O": (3.0566, 40.9582),
+    "L": (3.2171, 99.153),
+    "I": (13.7473, 221.3034),
+    "P": (14.116, 245.9314),
+    "U": (16.9386, 205.4558),
+    "K": (80.7932, 2128.7772),
+}
+TABLE = {"box": "5.1", "falling": "5.2"}
+
+
+def spearman(x, y):
+    """Pearson's correlation of the ranks, ties getting their mean rank; NaN when one side is all ties."""
+    ranks = [pd.Series(np.asarray(values, dtype=float)).rank().to_numpy() for values in (x, y)]
+    if len(ranks[0]) < 2 or any(np.ptp(r) == 0 for r in ranks):
+        return np.nan
+    return float(np.corrcoef(*ranks)[0, 1])
+
+
+def kendall(x, y):
+    """Kendall's tau-b: concordant less discordant pairs over the geometric mean of the pairs that each side orders."""
+    signs = []
+    for values in (x, y):
+        values = np.asarray(values, dtype=float)
+        signs.append(np.sign(values[:, None] - values)[np.triu_indices(len(values), 1)])
+    ordered = (signs[0] != 0).sum() * (signs[1] != 0).sum()
+    return float((signs[0] * signs[1]).sum() / np.sqrt(ordered)) if ordered else np.nan
+
+
+def means_table(run, kind):
+    """One row per algorithm of the thesis that the file has as published, fastest in the thesis first.
+
+    Columns: thesis ms, this run ms, JS / C++ (ratio), thesis rank, rank. Raises NotDrawn when there are fewer than two.
+    """
+    if kind not in TABLE:
+        raise NotDrawn("the thesis has mean times of the box and the falling scene only")
+    steps = steps_of(run)
+    letters = {key(run, label): label for label in steps.labels}
+    rows = {}
+    for letter, milliseconds in THESIS_MS.items():
+        if label := letters.get(letter):
+            mean = steps.time_ns[:, steps.labels.index(label)].mean() / 1e6
+            if mean > 0:
+                rows[label] = (letter, milliseconds[kind == "falling"], mean)
+    if len(rows) < 2:
+        raise NotDrawn(f"the file has {len(rows) or 'none'} of the thesis's nine algorithms as published, timed")
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=["key", "thesis ms", "this run ms"])
+    table = table.sort_values("thesis ms").rename_axis("algorithm")
+    table["JS / C++"] = table["thesis ms"] / table["this run ms"]
+    table["rank in the thesis"] = table["thesis ms"].rank().astype(int)
+    table["rank here"] = table["this run ms"].rank(method="min").astype(int)
+    return table
+
+
+def means_figure(run, kind, name):
+    """The thesis's mean times and this run's, one row per algorithm."""
+    table = means_table(run, kind)
+    rho, tau = (rank(table["thesis ms"], table["this run ms"]) for rank in (spearman, kendall))
+    fig, axes = figure(height=0.34 * len(table) + 1.2)
+    rows = np.arange(len(table))[::-1]
+    theirs, ours = table["thesis ms"].to_numpy() / 1e3, table["this run ms"].to_numpy() / 1e3
+    axes.hlines(rows, ours, theirs, color="#BBBBBB", linewidth=1.5)
+    axes.plot(theirs, rows, "o", color=PALETTE["orange"], label="thesis, JavaScript")
+    axes.plot(ours, rows, "s", color=PALETTE["blue"], label="this run, C++")
+    for row, right, ratio in zip(rows, theirs, table["JS / C++"]):
+        axes.annotate(f"{digits(ratio)}×", (right, row), xytext=(8, 0), textcoords="offset points", va="center",
+                      fontsize=9)  # fmt: skip
+    axes.set_yticks(rows, [f"{letter} {label}" for label, letter in table.key.items()])
+    log_seconds(axes, "x")
+    axes.set_xlim(right=axes.get_xlim()[1] * 4)
+    axes.set_xlabel("mean time per step")
+    axes.grid(axis="y", visible=False)
+    fig.suptitle(" ", fontsize=9)  # room for the legend
+    fig.legend(loc="upper center", ncol=2, fontsize=9, frameon=False, borderaxespad=0.1)
+
+    moved = (table["rank here"] - table["rank in the thesis"]).abs()
+    if np.isnan(rho):
+        title = f"All mean times are equal here, so their order cannot be compared with table {TABLE[kind]}"
+    else:
+        title = f"The order of mean times and that of table {TABLE[kind]} have rank correlation "
+        title += f"{rho:.2f} (Spearman; Kendall {tau:.2f}; n = {len(table)})"
+    if moved.max() and not np.isnan(rho):
+        label = moved.idxmax()
+        title += f"; {label} moves most, from place {table['rank in the thesis'][label]} to {table['rank here'][label]}"
+    low, high = table["JS / C++"].min(), table["JS / C++"].max()
+    title += f"; the thesis's JavaScript took {digits(low)} to {digits(high)} times as long as C++ here"
+    what = (
+        "Two machines on one axis: the thesis's means come from its own computer and browser and scenes of its own "
+        f"length, so only orders and ratios say something. n = {len(table)} algorithms, "
+        f"{run.meta['steps']} steps; numbers at the right are JavaScript's time over that of C++."
+    )
+    return Figure(title, svg_of(fig), caption(run, what, f"table {TABLE[kind]}"), table, name)
+
+
+def statements_table(scenes, notes=()):
+    """The verdicts as a Table; scenes: as of statements.verdicts; notes: sentences on where the data come from."""
+    found = verdicts(scenes)
+    rows = []
+    for verdict in found:
+        word, _, why = verdict.verdict.partition(": ")  # why: only of what is not testable
+        figures = "; ".join(f"{name}: {shown(value)}" for name, value in verdict.figures.items())
+        form = "careful" if verdict.variant else "as published"
+        rows.append((verdict.number, form, word, spelled(verdict.text), figures or why))
+    frame = pd.DataFrame(rows, columns=["no.", "form", "verdict", "the thesis says", "figures"])
+    careful = frame[frame.form == "careful"]
+    title = f"Of the thesis's {(frame.form != 'careful').sum()} statements {counted(frame[frame.form != 'careful'])}"
+    title += f". Of {len(careful)} judged again on the careful form {counted(careful)}" if len(careful) else ""
+    letters = ", ".join(f"{letter} {label}" for letter, label in KEYS.items())
+    text = (
+        f"{letters}. What words such as “slightly” mean is a number of analysis/thresholds.py, fixed before there were "
+        f"results: early and late count from {t.EXACT_M} m on, “slightly” ends at {t.SLIGHT_M} m, “too early” begins "
+        f"at {t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. "
+        "Lengths are in m, times ratios, shares of 1."
+    )
+    return Table(title, frame.set_index("no."), " ".join([text, *notes]))
+
+
+def spelled(text):
+    """A statement with the names of its algorithms; one about more than two keeps the letters, which orders need."""
+    letters = re.findall(rf"\b[{''.join(KEYS)}]\b", text)
+    if len(set(letters)) > 2:
+        return text
+    for letter in dict.fromkeys(letters):
+        text = re.sub(rf"\b{letter}\b", f"{letter} ({KEYS[letter]})", text, count=1)
+    return text
+
+
+def counted(frame):
+    """the data confirm 12 and refute 10; 7 cannot be tested."""
+    count = frame.verdict.value_counts()
+    confirmed, refuted, rest = (count.get(word, 0) for word in ("confirmed", "refuted", "not testable"))
+    return f"the data confirm {confirmed} and refute {refuted}" + (f"; {rest} cannot be tested" if rest else "")

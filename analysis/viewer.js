@@ -1,0 +1,593 @@
+// The page of a step: its state, its lists of right and wrong answers, and what buttons and keys do.
+// Without WebGL the lists, the time line and the figures work all the same.
+"use strict";
+
+(() => {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const $ = (id) => document.getElementById(id);
+
+  // Okabe and Ito's colours, told apart by colour-blind readers; the letters and the dashes say the same.
+  const KINDS = {
+    fn: { sign: "FN", name: "false negative", many: "False negatives", color: 0xd55e00, about: "meet, but are missed" },
+    fp: {
+      sign: "FP",
+      name: "false positive",
+      many: "False positives",
+      color: 0x0072b2,
+      about: "reported, but do not meet",
+    },
+    inside: {
+      sign: "in",
+      name: "contained",
+      many: "Contained",
+      color: 0xb0588c,
+      about: "one wholly inside the other; not scored",
+    },
+    tp: { sign: "TP", name: "true positive", many: "True positives", color: 0x009e73, about: "meet, and are reported" },
+  };
+  const NONE = 0xb9c0c9;
+  const MOST_ROWS = 300;
+
+  const { key, keys, truth, contained, algorithms, poses, meshes, answers } = decoded(data);
+  const radius = (body) => meshes[data.bodies[body].mesh].radius;
+  const name = (body) => data.bodies[body].name;
+  const listed = data.containment === "record" ? ["fn", "fp", "inside", "tp"] : ["fn", "fp", "tp"];
+
+  // x y z of the middle of the body's mesh, in drawn coordinates; null when it is not there.
+  function place(body, k = state.k) {
+    const i = 7 * (k * data.bodies.length + body);
+    return isFinite(poses[i + 4]) && isFinite(poses[i]) ? [poses[i + 4], poses[i + 5], poses[i + 6]] : null;
+  }
+
+  function turn(body, v, k = state.k) {
+    const i = 7 * (k * data.bodies.length + body),
+      [w, x, y, z] = poses.subarray(i, i + 4);
+    const a = 2 * (y * v[2] - z * v[1]),
+      b = 2 * (z * v[0] - x * v[2]),
+      c = 2 * (x * v[1] - y * v[0]);
+    return [v[0] + w * a + y * c - z * b, v[1] + w * b + z * a - x * c, v[2] + w * c + x * b - y * a];
+  }
+
+  // The body as measure() takes it.
+  function solid(body) {
+    const { vertices, index } = meshes[data.bodies[body].mesh],
+      p = place(body),
+      seen = new Map();
+    const vertex = (i) => {
+      if (!seen.has(i))
+        seen.set(
+          i,
+          turn(body, vertices.subarray(3 * i, 3 * i + 3)).map((x, c) => x + p[c]),
+        );
+      return seen.get(i);
+    };
+    return { index, vertex };
+  }
+
+  // ---- state
+
+  const state = {
+    k: data.step - data.first,
+    algorithm: Math.max(
+      0,
+      data.algorithms.findIndex((a) => a.label === data.chosen),
+    ),
+    chosen: null, // null, [body] or [a, b]
+    through: data.bodies.map((body) => body.big), // drawn see-through
+    edges: false,
+    quiet: false,
+    playing: false,
+  };
+  let now = answers(state.k, algorithms[state.algorithm]);
+  let measured = null; // of the chosen pair at this step
+
+  const step = () => data.first + state.k;
+  const algorithm = () => algorithms[state.algorithm];
+
+  // body -> its gravest kind
+  function bodyKinds() {
+    const kind = new Map();
+    for (const k of ["tp", "inside", "fp", "fn"]) for (const pair of now[k]) for (const body of pair) kind.set(body, k);
+    return kind;
+  }
+
+  function kindOf(pair) {
+    const wanted = key(pair);
+    return listed.find((kind) => now[kind].some((p) => key(p) === wanted)) || null;
+  }
+
+  // ---- elements
+
+  function element(tag, attributes = {}, ...children) {
+    const made = document.createElement(tag);
+    for (const [k, v] of Object.entries(attributes))
+      k.startsWith("on") ? made.addEventListener(k.slice(2), v) : made.setAttribute(k, v);
+    made.append(...children);
+    return made;
+  }
+  const sign = (kind) => element("span", { class: "sign " + (kind || "none") }, kind ? KINDS[kind].sign : "");
+  const number = (x) =>
+    (Math.abs(x) < 1e-3 || Math.abs(x) >= 1e6) && x !== 0 ? x.toExponential(3) : String(Number(x.toPrecision(6)));
+
+  function row(pair, kind, text) {
+    const attributes = { "data-pair": key(pair), onclick: () => choose(pair, true) };
+    if (state.chosen && state.chosen.length === 2 && key(state.chosen) === key(pair))
+      attributes["aria-current"] = "true";
+    return element("li", {}, element("button", attributes, sign(kind), text));
+  }
+
+  const open = { fn: true, fp: true, inside: true, tp: false };
+  function showLists() {
+    const focused = document.activeElement && document.activeElement.getAttribute("data-pair");
+    const inside = keys(contained.at(state.k));
+    $("lists").replaceChildren(
+      ...listed.map((kind) => {
+        const pairs = now[kind],
+          details = element("details", open[kind] ? { open: "" } : {});
+        details.addEventListener("toggle", () => {
+          if (open[kind] === details.open) return;
+          open[kind] = details.open; // the rows of a closed list are not made: they cost most of a step
+          showLists();
+        });
+        details.append(element("summary", {}, sign(kind), `${KINDS[kind].many}: ${pairs.length}`));
+        if (!open[kind]) return details;
+        if (!pairs.length)
+          details.append(
+            element(
+              "div",
+              { class: "soft" },
+              `no pairs that ${kind === "fp" || kind === "inside" ? "are " : ""}${KINDS[kind].about}`,
+            ),
+          );
+        const reported = kind === "inside" && algorithm() ? keys(algorithm().inside.at(state.k)) : null;
+        const note = (p) =>
+          reported
+            ? reported.has(key(p))
+              ? " (reported)"
+              : " (not reported)"
+            : inside.has(key(p))
+              ? " (one inside the other)"
+              : "";
+        details.append(
+          element(
+            "ul",
+            {},
+            ...pairs.slice(0, MOST_ROWS).map((p) => row(p, kind, `${name(p[0])} – ${name(p[1])}${note(p)}`)),
+          ),
+        );
+        if (pairs.length > MOST_ROWS)
+          details.append(element("div", { class: "soft" }, `and ${pairs.length - MOST_ROWS} more`));
+        return details;
+      }),
+    );
+    if (focused) {
+      const again = $("lists").querySelector(`[data-pair="${focused}"]`);
+      if (again) again.focus({ preventScroll: true });
+    }
+  }
+
+  function table(rows) {
+    return element(
+      "table",
+      {},
+      ...rows.map(([what, value]) => element("tr", {}, element("td", {}, what), element("td", {}, value))),
+    );
+  }
+
+  function showChosen() {
+    const box = $("chosen");
+    if (!state.chosen) return box.replaceChildren();
+    if (state.chosen.length === 1) return box.replaceChildren(...aboutBody(state.chosen[0]));
+    box.replaceChildren(...aboutPair(state.chosen));
+  }
+
+  function aboutBody(body) {
+    const { mesh, fixed, born } = data.bodies[body],
+      at = place(body);
+    const rows = [
+      ["mesh", `${meshes[mesh].name}, ${meshes[mesh].index.length / 3} triangles`],
+      ["body", `number ${body}${fixed ? ", fixed" : ""}`],
+    ];
+    if (at) {
+      const off = turn(body, meshes[mesh].centre); // the pose's position is that of the mesh's origin
+      rows.push(["position", at.map((x, c) => number(x + data.centre[c] - off[c])).join("  ") + " m"]);
+    } else rows.push(["position", born < 0 || step() < born ? "not born yet" : "lost: the motion failed"]);
+    if (born > 0) rows.push(["born", `at step ${born}`]);
+    const partners = listed.flatMap((kind) => now[kind].filter((p) => p.includes(body)).map((p) => [p, kind]));
+    return [
+      element("strong", {}, name(body)),
+      table(rows),
+      element(
+        "div",
+        { class: "soft" },
+        partners.length
+          ? `In ${partners.length} pair${partners.length > 1 ? "s" : ""} at this step, with:`
+          : "In no pair at this step.",
+      ),
+      element(
+        "ul",
+        {},
+        ...partners.slice(0, MOST_ROWS).map(([p, kind]) => row(p, kind, name(p[0] === body ? p[1] : p[0]))),
+      ),
+      element(
+        "div",
+        { class: "row" },
+        element("button", { onclick: () => fly([body]) }, "Come near"),
+        throughButton(body),
+        letGo(),
+      ),
+    ];
+  }
+
+  const letGo = () => element("button", { onclick: () => choose(null) }, "Let go");
+  function throughButton(body) {
+    return element(
+      "button",
+      { "aria-pressed": String(state.through[body]), onclick: () => seeThrough(body) },
+      "See through",
+    );
+  }
+
+  function aboutPair(pair) {
+    const kind = kindOf(pair),
+      [a, b] = pair,
+      rows = [];
+    const here = place(a) && place(b);
+    const head = element(
+      "div",
+      { style: "display:flex;gap:7px;align-items:center" },
+      sign(kind),
+      element("strong", {}, `${name(a)} – ${name(b)}`),
+    );
+    const met = keys(truth.at(state.k)).has(key(pair)),
+      within = keys(contained.at(state.k)).has(key(pair));
+    rows.push([
+      "truth",
+      !here
+        ? "not both are there at this step"
+        : within
+          ? "one lies inside the other"
+          : met
+            ? "they meet"
+            : "they do not meet",
+    ]);
+    if (measured && measured.pairs)
+      rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn in black`]);
+    else if (measured && measured.gap)
+      rows.push(["surfaces", `${number(measured.gap.distance)} m apart${within ? " (inside)" : ""}, drawn in black`]);
+    for (const one of algorithms) {
+      if (!here) break;
+      const has = (list) => keys(list.at(state.k)).has(key(pair));
+      const says = has(one.fp) || has(one.inside) || (met && !has(one.fn));
+      const wrong = has(one.fp) ? "fp" : has(one.fn) ? "fn" : null;
+      rows.push([one.label, element("span", {}, says ? "reports it " : "is silent ", wrong ? sign(wrong) : "")]);
+    }
+    return [
+      head,
+      table(rows),
+      element(
+        "div",
+        { class: "row" },
+        element("button", { onclick: () => fly(pair) }, "Come near"),
+        element("button", { onclick: () => choose([a]) }, name(a)),
+        element("button", { onclick: () => choose([b]) }, name(b)),
+        letGo(),
+      ),
+    ];
+  }
+
+  // ---- time
+
+  function go(k) {
+    state.k = Math.min(data.count - 1, Math.max(0, Math.round(k)));
+    update();
+  }
+
+  function wrongAt(k) {
+    return algorithm() ? algorithm().fp.count(k) + algorithm().fn.count(k) : 0;
+  }
+
+  function goWrong(direction) {
+    for (let k = state.k + direction; k >= 0 && k < data.count; k += direction) if (wrongAt(k)) return go(k);
+  }
+
+  let timer = 0;
+  function play(on) {
+    state.playing = on;
+    $("play").textContent = on ? "❚❚ Pause" : "▶ Play";
+    cancelAnimationFrame(timer);
+    if (!on) return;
+    if (state.k === data.count - 1) go(0);
+    const from = state.k,
+      start = performance.now(),
+      pace = (Number($("speed").value) * data.rate) / 1000;
+    const tick = (time) => {
+      const k = Math.min(data.count - 1, from + Math.floor(Math.max(0, time - start) * pace));
+      if (k !== state.k) go(k);
+      if (k === data.count - 1) return play(false);
+      timer = requestAnimationFrame(tick);
+    };
+    timer = requestAnimationFrame(tick);
+  }
+
+  // False negatives upwards, false positives downwards, one column a step.
+  function showStrip() {
+    const canvas = $("strip"),
+      ratio = window.devicePixelRatio || 1,
+      width = canvas.clientWidth,
+      height = canvas.clientHeight;
+    canvas.width = Math.max(1, width * ratio);
+    canvas.height = Math.max(1, height * ratio);
+    const draw = canvas.getContext("2d");
+    draw.scale(ratio, ratio);
+    draw.fillStyle = "#f3f5f7";
+    draw.fillRect(0, 0, width, height);
+    const column = width / data.count,
+      middle = height / 2;
+    draw.fillStyle = "#fff3c4";
+    draw.fillRect(state.k * column, 0, Math.max(column, 2), height);
+    for (const [kind, direction] of [
+      ["fn", -1],
+      ["fp", 1],
+    ]) {
+      if (!algorithm()) break;
+      let most = 0;
+      for (let k = 0; k < data.count; ++k) most = Math.max(most, algorithm()[kind].count(k));
+      draw.fillStyle = "#" + KINDS[kind].color.toString(16).padStart(6, "0");
+      for (let k = 0; k < data.count; ++k) {
+        const count = algorithm()[kind].count(k);
+        if (!count) continue;
+        const tall = Math.max(1.5, (count / most) * (middle - 2));
+        draw.fillRect(
+          k * column,
+          direction < 0 ? middle - tall : middle,
+          Math.max(column - (column > 4 ? 1 : 0), 1),
+          tall,
+        );
+      }
+      const text = `${KINDS[kind].sign}, at most ${most}`,
+        y = direction < 0 ? 0 : height - 14;
+      draw.font = "11px sans-serif";
+      draw.fillStyle = "rgba(255, 255, 255, 0.85)";
+      draw.fillRect(0, y, draw.measureText(text).width + 8, 14);
+      draw.fillStyle = "#1d2530";
+      draw.fillText(text, 4, y + 11);
+    }
+    draw.fillStyle = "#1d2530";
+    draw.fillRect(0, middle - 0.25, width, 0.5);
+    draw.fillRect(state.k * column + column / 2 - 0.75, 0, 1.5, height);
+  }
+
+  // ---- all that follows from the state
+
+  function update() {
+    now = answers(state.k, algorithm());
+    measured = null;
+    if (state.chosen && state.chosen.length === 2 && state.chosen.every((b) => place(b)))
+      measured = measure(...state.chosen.map(solid));
+    $("slider").value = step();
+    $("slider").setAttribute(
+      "aria-valuetext",
+      `step ${step()}, ${now.fn.length} false negatives, ${now.fp.length} false positives`,
+    );
+    $("now").textContent = `step ${step()} of ${data.steps - 1} · ${(step() / data.rate).toFixed(3)} s`;
+    showLists();
+    showChosen();
+    showStrip();
+    if (picture) picture.update();
+    const parts = [
+      `step=${step()}`,
+      ...(algorithm() ? [`algorithm=${encodeURIComponent(algorithm().label)}`] : []),
+      ...(state.chosen ? [`chosen=${state.chosen.join("-")}`] : []),
+    ];
+    try {
+      history.replaceState(null, "", "#" + parts.join("&"));
+    } catch (refused) {} // a browser may refuse it to local files, or to fast playing; the page does not need it
+  }
+
+  function choose(bodies, near = false) {
+    state.chosen = bodies;
+    update();
+    if (near && bodies) fly(bodies);
+  }
+
+  function fly(bodies) {
+    if (picture) picture.fly(bodies);
+  }
+
+  function seeThrough(body) {
+    state.through[body] = !state.through[body];
+    update();
+  }
+
+  function pressed(id, on) {
+    $(id).setAttribute("aria-pressed", String(on));
+  }
+
+  function showAlgorithm() {
+    const one = algorithm(),
+      whole = one && data.worst[one.label];
+    const box = $("whole");
+    box.replaceChildren();
+    if (!one) return box.append("The file has no algorithms: all pairs shown are the truth.");
+    const knobs =
+      one.knobs && one.knobs !== "{}" ? one.knobs.replace(/[{}"]/g, "").replace(/,/g, ", ").replace(/:/g, " ") : "";
+    box.append(
+      [
+        one.name !== one.label ? one.name : "",
+        knobs,
+        one.promise && one.promise !== "none" ? `promises: ${one.promise}` : "",
+      ]
+        .filter(Boolean)
+        .join("; "),
+    );
+    if (!whole) return;
+    const link = (at, most, what) => {
+      const inside = at >= data.first && at < data.first + data.count;
+      const text = `most at step ${at}: ${most}`;
+      return inside
+        ? element(
+            "button",
+            { style: "padding:0 6px;font-size:12px;min-height:0", onclick: () => go(at - data.first) },
+            text,
+          )
+        : `${text}; see it with --step ${at}`;
+    };
+    ["false positives", "false negatives"].forEach((what, i) => {
+      const line = element("div", {}, `Whole run: ${whole.total[i]} ${what}`);
+      if (whole.at[i] !== null) line.append(" (", link(whole.at[i], whole.most[i]), ")");
+      box.append(line);
+    });
+  }
+
+  // ---- the page
+
+  let picture = null;
+  try {
+    picture = makePicture({
+      data,
+      meshes,
+      poses,
+      state,
+      KINDS,
+      NONE,
+      listed,
+      place,
+      radius,
+      name,
+      kindOf,
+      bodyKinds,
+      choose,
+      now: () => now,
+      measured: () => measured,
+      contained: () => contained.at(state.k),
+    });
+    $("message").hidden = true;
+    $("legend").hidden = $("tools").hidden = false;
+  } catch (failed) {
+    console.info("no picture: " + failed.message);
+    $("message").textContent =
+      "This browser or machine offers no WebGL, which the picture needs. The lists and the time line work without.";
+  }
+
+  let up = "y";
+  const actions = {
+    frame: () => picture && picture.all(),
+    edges: () => (pressed("edges", (state.edges = !state.edges)), update()),
+    quiet: () => (pressed("quiet", (state.quiet = !state.quiet)), update()),
+    up: () => {
+      up = up === "y" ? "z" : "y";
+      $("up").textContent = up + " up";
+      if (picture) (picture.setUp(up), picture.all());
+    },
+    back: () => go(state.k - 1),
+    forth: () => go(state.k + 1),
+    play: () => play(!state.playing),
+    previous: () => goWrong(-1),
+    next: () => goWrong(1),
+  };
+  for (const [id, act] of Object.entries(actions)) $(id).addEventListener("click", act);
+  for (const id of ["back", "forth", "previous", "next"]) $(id).addEventListener("click", () => play(false));
+  $("speed").addEventListener("change", () => state.playing && play(true));
+
+  function setAlgorithm(index) {
+    if (!algorithms.length) return;
+    state.algorithm = (index + algorithms.length) % algorithms.length;
+    $("algorithm").value = state.algorithm;
+    showAlgorithm();
+    update();
+  }
+
+  function nextPair(direction) {
+    const pairs = listed.flatMap((kind) => (open[kind] ? now[kind] : []));
+    if (!pairs.length) return;
+    const at =
+      state.chosen && state.chosen.length === 2
+        ? pairs.findIndex((p) => key(p) === key(state.chosen))
+        : direction > 0
+          ? -1
+          : 0;
+    choose(pairs[(at + direction + pairs.length) % pairs.length], true);
+    const shown = $("lists").querySelector("[aria-current]");
+    if (shown) shown.scrollIntoView({ block: "nearest" });
+  }
+
+  document.addEventListener("keydown", (e) => {
+    const inField = /^(SELECT|INPUT)$/.test(e.target.tagName);
+    if (e.ctrlKey || e.metaKey || e.altKey || (inField && e.key !== "Escape")) return;
+    const jump = e.shiftKey ? 10 : 1;
+    const act = {
+      ArrowLeft: () => (play(false), go(state.k - jump)),
+      ArrowRight: () => (play(false), go(state.k + jump)),
+      Home: () => go(0),
+      End: () => go(data.count - 1),
+      " ": e.target.tagName === "BUTTON" || e.target.tagName === "SUMMARY" ? null : actions.play,
+      Escape: () => choose(null),
+      p: actions.previous,
+      n: actions.next,
+      j: () => nextPair(1),
+      k: () => nextPair(-1),
+      a: () => setAlgorithm(state.algorithm + jump),
+      f: actions.frame,
+      e: actions.edges,
+      q: actions.quiet,
+      u: actions.up,
+      h: () => state.chosen && state.chosen.forEach(seeThrough),
+    }[e.key.length === 1 ? e.key.toLowerCase() : e.key];
+    if (!act) return;
+    e.preventDefault();
+    act();
+  });
+
+  $("slider").min = data.first;
+  $("slider").max = data.first + data.count - 1;
+  $("slider").addEventListener("input", () => (play(false), go(Number($("slider").value) - data.first)));
+  const seek = (e) => e.buttons && (play(false), go(Math.floor((e.offsetX / $("strip").clientWidth) * data.count)));
+  $("strip").addEventListener("pointerdown", seek);
+  $("strip").addEventListener("pointermove", seek);
+  window.addEventListener("resize", showStrip);
+
+  $("title").textContent = data.title || data.file;
+  $("about").textContent =
+    `${data.file}: ${data.bodies.length} bodies, steps ${data.first} to ${data.first + data.count - 1} of 0 to ` +
+    `${data.steps - 1}, ${data.rate} a second; digest ${data.digest.slice(0, 12)}…`;
+  algorithms.forEach((a, i) => $("algorithm").append(element("option", { value: i }, a.label)));
+  $("algorithm").disabled = !algorithms.length;
+  $("algorithm").addEventListener("change", () => setAlgorithm(Number($("algorithm").value)));
+  $("legend").append(
+    ...listed.map((kind) =>
+      element(
+        "div",
+        {},
+        sign(kind),
+        element("span", {}, KINDS[kind].name, element("span", { class: "more" }, `: ${KINDS[kind].about}`)),
+      ),
+    ),
+    element("div", {}, sign(null), "in no pair"),
+  );
+
+  // A link to a moment: #step=420&algorithm=obb_sat&chosen=3-17
+  const wanted = new URLSearchParams(location.hash.slice(1));
+  const asked = Number(wanted.get("step"));
+  if (wanted.has("step") && asked >= data.first && asked < data.first + data.count) state.k = Math.floor(asked);
+  const known = algorithms.findIndex((a) => a.label === wanted.get("algorithm"));
+  if (known >= 0) state.algorithm = known;
+  const picked = (wanted.get("chosen") || "").split("-").filter(Boolean).map(Number);
+  if ((picked.length === 1 || picked.length === 2) && picked.every((b) => data.bodies[b])) state.chosen = picked;
+  if (algorithms.length) $("algorithm").value = state.algorithm;
+  showAlgorithm();
+  update();
+
+  window.viewer = {
+    step,
+    go: (s) => go(s - data.first),
+    choose,
+    fly,
+    setAlgorithm,
+    state,
+    now: () => now,
+    measured: () => measured,
+    name,
+    pixel: (b) => picture.pixel(b),
+  };
+})();

@@ -1,0 +1,297 @@
+"""A look at a step: one HTML page with the bodies in 3D, right and wrong answers coloured and listed.
+
+The page holds everything: three.js (Debian's libjs-three: one apt package, no second registry, no bundler), our scripts,
+the meshes once each, the poses of a window of steps, and the wrong answers of all algorithms in it. It asks the network
+for nothing; its Content-Security-Policy forbids that.
+"""
+
+import base64
+import html
+import json
+import os
+import pathlib
+import tempfile
+
+import h5py
+import numpy as np
+
+from analysis.load import load
+
+HERE = pathlib.Path(__file__).parent
+THREE_JS = [
+    pathlib.Path("/usr/share/javascript/three/three.min.js"),
+    pathlib.Path("/usr/share/javascript/three/examples/js/controls/OrbitControls.js"),
+]
+SCRIPTS = ("decode", "measure", "picture", "viewer")  # beside this file, in this order
+AROUND = 60  # steps shown on either side when no window is asked for: two seconds of the thesis's scenes in all
+USUAL_BYTES = 8 << 20  # such a window becomes shorter rather than larger than this
+MOST_BYTES = 64 << 20  # a window that is asked for is refused above: phones fail to open larger pages
+BIG = 4  # a fixed body so many times as large as the median moving one (plate, wall) is drawn see-through
+
+
+class Unfit(Exception):
+    """What stands in the page's way: one line, and the exit code of it (3: a value does not fit the file)."""
+
+    code = 3
+
+
+class Uninstalled(Unfit):
+    code = 1
+
+
+def add_command(commands):
+    """Adds the command `scene` to the subparsers of python3 -m analysis."""
+    command = commands.add_parser("scene", help="a page that shows the bodies of a step in 3D, wrong answers coloured")
+    command.add_argument("file", help="a result")
+    command.add_argument("--step", type=int, help="opens there; without it where the algorithm errs most")
+    command.add_argument("--algorithm", metavar="LABEL", help="opens with its answers; without it the file's first")
+    command.add_argument("--steps", type=_window, metavar="A:B",
+                         help=f"holds the steps A to B - 1; without it {AROUND} on either side of --step")  # fmt: skip
+    command.add_argument("-o", "--output", metavar="PAGE", help="without it <name of the result>_step<K>.html here")
+    command.set_defaults(act=lambda chosen: print(write_page(chosen)))
+
+
+def _window(text):
+    """A:B as a slice; either may be left out. ValueError becomes argparse's error."""
+    first, colon, end = text.partition(":")
+    if not colon or not all(part == "" or part.isdecimal() for part in (first, end)):
+        raise ValueError(text)
+    return slice(int(first) if first else None, int(end) if end else None)
+
+
+_window.__name__ = "range A:B of steps"  # argparse names it in its error
+
+
+def write_page(chosen):
+    """Writes the page that the parsed arguments of `scene` ask for, whole or not at all. Returns its path.
+
+    Raises what step_page raises, naming the file, and OSError when the page cannot be written.
+    """
+    try:
+        page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps)
+    except (OSError, KeyError, ValueError, RuntimeError) as error:  # h5py does not name the file
+        text = str(error.args[0] if error.args else error)
+        raise OSError(text if text.startswith(chosen.file) else f"{chosen.file}: is damaged ({text})") from error
+    path = chosen.output or f"{pathlib.Path(chosen.file).stem}_step{step}.html"
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise Unfit(f"-o {path}: is not a file; name a page to write")
+    if os.path.exists(path) and os.path.samefile(path, chosen.file):
+        raise Unfit(f"-o {path}: is the result itself; name a page to write")
+    file, beside = tempfile.mkstemp(dir=os.path.dirname(path) or ".", prefix=".", suffix=".html")
+    try:
+        with open(file, "w", encoding="utf-8") as out:
+            out.write(page)
+        os.chmod(beside, 0o644)
+        os.replace(beside, path)
+    except BaseException:
+        os.unlink(beside)
+        raise
+    return path
+
+
+def step_page(path, step=None, label=None, window=None):
+    """The page as text, and the step that it opens at.
+
+    step: None for the step at which the algorithm has the most wrong answers; label: None for the first algorithm;
+    window: slice of steps, None for AROUND on either side of step. Raises OSError or ValueError when the file is not a
+    result, Unfit when a value does not fit it, Uninstalled when three.js is not there.
+    """
+    run = load(path)
+    steps, labels = run.meta["steps"], run.meta["algorithms"]
+    if not steps or not run.meta["bodies"]:
+        raise Unfit(f"{path}: has no {'bodies' if steps else 'steps'}; there is nothing to show")
+    if label is not None and label not in labels:
+        raise Unfit(f"--algorithm {label}: is not in {path}; there are {', '.join(labels) or 'none'}")
+    wrong = _wrong_per_step(run)
+    label = label or (labels[0] if labels else None)
+    if step is None:
+        step = _default_step(wrong, label, window, steps)
+    if not 0 <= step < steps:
+        raise Unfit(f"--step {step}: {path} has the steps 0 to {steps - 1}")
+    if window is None:
+        first, end = max(0, step - AROUND), min(steps, step + AROUND + 1)
+        while (size := _window_bytes(run, first, end)) > USUAL_BYTES and end - first > 1:
+            first, end = step - (step - first) // 2, step + 1 + (end - step - 1) // 2
+    else:
+        first, end, _ = window.indices(steps)
+        if (window.stop or 0) > steps or first >= end:
+            raise Unfit(f"--steps {_colon(window)}: is no range of steps A to B - 1; {path} has 0 to {steps - 1}")
+        if not first <= step < end:
+            raise Unfit(f"--step {step}: is not among --steps {first}:{end}")
+        size = _window_bytes(run, first, end)
+    with h5py.File(path) as file:
+        size += sum(12 * (mesh["vertices"].shape[0] + mesh["triangles"].shape[0]) for mesh in file["meshes"].values())
+    if size > MOST_BYTES:
+        raise Unfit(f"{path}: meshes and steps {first}:{end} would make a page of {size / 2**20:.0f} MiB, at most "
+                    f"{MOST_BYTES >> 20} are possible; fewer --steps make it smaller")  # fmt: skip
+    data = _page_data(run, first, end) | {"step": step, "chosen": label, "worst": _worst(wrong, steps)}
+    return _filled(data, f"{run.meta.get('title') or pathlib.Path(path).name}, step {step}"), step
+
+
+def _colon(window):
+    return f"{'' if window.start is None else window.start}:{'' if window.stop is None else window.stop}"
+
+
+def _wrong_per_step(run):
+    """label -> (false positives, false negatives) per step, as counted by the run."""
+    with h5py.File(run.path) as file:
+        if "results" not in file:
+            return {}
+        counts = [file["results"][name][()] for name in ("false_positive", "false_negative")]
+    return {label: (counts[0][:, a], counts[1][:, a]) for a, label in enumerate(run.meta["algorithms"])}
+
+
+def _default_step(wrong, label, window, steps):
+    """The first step of the window with the most wrong answers of the algorithm."""
+    inside = range(steps)[window or slice(None)]
+    if label not in wrong or not len(inside):
+        return inside.start if len(inside) else 0
+    return inside.start + int(np.argmax((wrong[label][0] + wrong[label][1])[inside.start : inside.stop]))
+
+
+def _worst(wrong, steps):
+    """label -> whole run's counts, and the steps with the most false positives and negatives; None where there are
+    none."""
+    found = {}
+    for label, counts in wrong.items():
+        at = [int(np.argmax(count)) if count.any() else None for count in counts]
+        found[label] = {"total": [int(count.sum()) for count in counts], "at": at,
+                        "most": [0 if k is None else int(count[k]) for k, count in zip(at, counts)]}  # fmt: skip
+    return found
+
+
+def _window_bytes(run, first, end):
+    """Bytes of the window's poses and pairs before base64, seven floats a pose and at most four bytes a pair's end."""
+    with h5py.File(run.path) as file:
+        pairs = int(np.diff(file["truth/pair_offset"][()][[first, end]].astype(np.int64))[0])
+        for label in run.meta["algorithms"]:
+            pairs += int(np.diff(file[f"answers/{label}/pair_offset"][()][[first, end]].astype(np.int64))[0])
+    return (end - first) * len(run.meta["bodies"]) * 28 + 8 * pairs
+
+
+def _page_data(run, first, end):
+    """What viewer.js draws, in metres; positions and vertices are Float32 about centres taken off in doubles."""
+    with h5py.File(run.path) as file:
+        position = file["motion/position"][first:end]
+        orientation = file["motion/orientation"][first:end]
+        truth = _pair_sets(file["truth"], first, end)
+        containment = file["truth"].attrs.get("containment", "ignore")
+        contained = [set()] * (end - first)
+        if "contained_pair" in file["truth"]:
+            contained = _pair_sets(file["truth"], first, end, "contained_offset", "contained_pair")
+        answers = {name: _pair_sets(file[f"answers/{name}"], first, end) for name in run.meta["algorithms"]}
+        mesh_of = list(file["bodies/mesh"].asstr()[()])
+        names = sorted(set(mesh_of))
+        meshes = [_mesh(name, file[f"meshes/{name}"]) for name in names]
+    if containment == "meet":
+        truth = [by_surface | inside for by_surface, inside in zip(truth, contained)]
+    table = run.bodies
+    radius = np.array([np.linalg.norm(size) / 2 for size in table["size"]])
+    moving = radius[~table["fixed"].to_numpy()]
+    big = table["fixed"].to_numpy() & (radius > BIG * (np.median(moving) if len(moving) else np.inf))
+    number = [names.index(mesh) for mesh in mesh_of]
+    local = np.array([meshes[n]["centre"] for n in number])
+    for mesh in meshes:
+        mesh["centre"] = mesh["centre"].tolist()
+    at = turned(orientation, local) + position
+    born = at[np.isfinite(at).all(axis=-1)]
+    centre = np.median(born, axis=0) if len(born) else np.zeros(3)
+    poses = np.concatenate([orientation, at - centre], axis=-1)
+    wide = len(mesh_of) > 0xFFFF
+    kinds = {}
+    for label, reported in answers.items():
+        apart = contained if containment == "record" else [set()] * (end - first)
+        kinds[label] = {
+            "fp": _packed([r - t - c for r, t, c in zip(reported, truth, apart)], wide),
+            "fn": _packed([t - r for r, t in zip(reported, truth)], wide),
+            "inside": _packed([r & c for r, c in zip(reported, apart)], wide),
+        }
+    about = ("name", "knobs", "promise", "scope")
+    return {
+        "file": pathlib.Path(run.path).name,
+        "title": str(run.meta.get("title", "")),
+        "digest": str(run.meta.get("digest", "")),
+        "commit": str(run.meta.get("git_commit", "")),
+        "first": first,
+        "count": end - first,
+        "steps": run.meta["steps"],
+        "rate": run.meta["rate"],
+        "centre": centre.tolist(),
+        "containment": str(containment),
+        "meshes": meshes,
+        "bodies": [
+            {"name": name, "mesh": number[b], "fixed": bool(row.fixed), "big": bool(big[b]),
+             "born": int(row.first_step)}
+            for b, (name, row) in enumerate(table.iterrows())
+        ],
+        "poses": _base64(poses.astype("<f4")),
+        "wide": wide,
+        "truth": _packed(truth, wide),
+        "contained": _packed(contained, wide),
+        "algorithms": [
+            {"label": label} | {key: str(run.meta["answers"][label].get(key, "")) for key in about} | kinds[label]
+            for label in answers
+        ],
+    }  # fmt: skip
+
+
+def turned(quaternion, vector):
+    """Vectors (..., 3) turned by unit quaternions (..., 4) w x y z, in doubles."""
+    axis, w = quaternion[..., 1:], quaternion[..., :1]
+    across = 2 * np.cross(axis, vector)
+    return vector + w * across + np.cross(axis, across)
+
+
+def _mesh(name, group):
+    """A mesh about the middle of its box, so that vertices far from their origin keep their shape in Float32."""
+    vertices, triangles = group["vertices"][()], group["triangles"][()]
+    centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    return {
+        "name": name,
+        "centre": centre,
+        "vertices": _base64((vertices - centre).astype("<f4")),
+        "triangles": _base64(triangles.astype("<u4")),
+    }
+
+
+def _pair_sets(group, first, end, offset="pair_offset", pair="pair"):
+    """Per step of the window, the set of pairs (a, b)."""
+    offset = group[offset][first : end + 1].astype(np.int64)
+    pairs = [(int(a), int(b)) for a, b in group[pair][offset[0] : offset[-1]]]
+    return [set(pairs[a - offset[0] : b - offset[0]]) for a, b in zip(offset[:-1], offset[1:])]
+
+
+def _packed(sets, wide):
+    """Pairs of steps as base64: offsets (Uint32) and sorted ends (Uint16, Uint32 where a number needs it)."""
+    offset = np.cumsum([0] + [len(pairs) for pairs in sets])
+    pair = np.array([pair for pairs in sets for pair in sorted(pairs)]).reshape(-1, 2)
+    return {"offset": _base64(offset.astype("<u4")), "pair": _base64(pair.astype("<u4" if wide else "<u2"))}
+
+
+def _base64(array):
+    return base64.b64encode(np.ascontiguousarray(array).tobytes()).decode()
+
+
+def _filled(data, title):
+    """The page: viewer.html with the title, the data, three.js and our scripts in place of its marks."""
+    for path in THREE_JS:
+        if not path.is_file():
+            raise Uninstalled(f"{path}: is missing; scripts/setup installs it (Debian's libjs-three)")
+    three = "\n".join(_script(path.read_text(encoding="utf-8")) for path in THREE_JS)
+    document = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+    filled = {
+        "<!-- title -->": html.escape(title),
+        "<!-- data -->": f'<script type="application/json" id="data">{document}</script>',
+        "<!-- three -->": three,
+    } | {f"<!-- {name} -->": _script((HERE / f"{name}.js").read_text(encoding="utf-8")) for name in SCRIPTS}
+    page = (HERE / "viewer.html").read_text(encoding="utf-8")
+    for mark, text in filled.items():
+        before, after = page.split(mark)
+        page = before + text + after
+    return page
+
+
+def _script(text):
+    if "</script" in text.lower():
+        raise Uninstalled("three.js: holds '</script', which would end the page's script; another version is needed")
+    return f"<script>{text}</script>"

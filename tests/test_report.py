@@ -1,0 +1,417 @@
+"""The report: what its figures say is so, its page stands alone, and of odd results it says what is odd."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import xml.dom.minidom
+
+import h5py
+import matplotlib.image
+import numpy as np
+import pandas as pd
+import pytest
+from browser import browsing, open_page
+from conftest import ROOT, SCENES
+
+from analysis import labels, pareto, plots_error, thesis_figures
+from analysis.__main__ import main
+from analysis.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
+from analysis.load import load
+from analysis.page import page, shown
+from analysis.report import report
+
+
+@pytest.fixture(scope="module")
+def made(result_file, tmp_path_factory):
+    """The report of the small falling scene."""
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    assert main(["report", str(result_file), "-o", str(path)]) == 0
+    return path
+
+
+@pytest.fixture
+def copy(result_file, tmp_path):
+    return shutil.copy(result_file, tmp_path / "copy.h5")
+
+
+@pytest.fixture
+def brief(monkeypatch):
+    """Reports without the thesis's sections, for what does not concern them."""
+    monkeypatch.setattr(thesis_figures, "sections", lambda runs: [])
+
+
+def smoke(pipeline, path, *settings):
+    command = [pipeline, "run", str(ROOT / "configs" / "smoke.toml"), "-o", str(path), "--quiet"]
+    for setting in ("timing.repeats=1", *settings):
+        command += ["--set", setting]
+    subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # a failed integration ends with 1
+    return path
+
+
+# ---- the page
+
+
+@pytest.mark.parametrize("width, phone", [(1200, False), (360, True)])
+def test_the_page_opens_without_a_message_and_is_not_blank(made, tmp_path, width, phone):
+    with browsing(made, width=width, phone=phone) as opened:
+        assert opened.messages == []
+        assert opened.evaluate("document.documentElement.scrollWidth") == width  # nothing sticks out to the side
+        opened.screenshot(tmp_path / "page.png", whole=False)
+        drawn = opened.evaluate(
+            "[...document.querySelectorAll('.picture svg')].map(s => s.getBoundingClientRect().width)"
+        )
+        assert len(drawn) >= 3 and all(size > 250 for size in drawn)
+    image = matplotlib.image.imread(tmp_path / "page.png")
+    assert image[..., :3].std() > 0.05
+
+
+def test_the_page_needs_nothing_else(made):
+    text = made.read_text(encoding="utf-8")
+    assert not re.search(r"https?://|\bsrc=|@import|<link", text)
+    assert set(re.findall(r"url\(([^)#]*)", text)) <= {""}
+
+
+def test_identifiers_are_unique_and_links_lead_to_them(made):
+    text = made.read_text(encoding="utf-8")
+    found = re.findall(r'\bid="([^"]+)"', text)
+    assert len(found) == len(set(found))
+    assert set(re.findall(r'href="#([^"]+)"', text)) | set(re.findall(r"url\(#([^)]+)\)", text)) <= set(found)
+
+
+def test_figures_are_named_and_tables_have_heads(made):
+    with browsing(made) as opened:
+        named = "f.querySelector('h3').textContent === f.querySelector('[role=img]').ariaLabel"
+        table = "f.querySelector('details table tbody tr')"
+        assert opened.evaluate(f"[...document.querySelectorAll('figure')].every(f => {named} && {table})")
+        assert opened.evaluate("[...document.querySelectorAll('thead th')].every(h => h.scope === 'col')")
+        assert opened.evaluate("[...document.querySelectorAll('tbody tr')].every(r => r.cells[0].scope === 'row')")
+        assert opened.evaluate("document.documentElement.lang") == "en"
+
+
+def test_the_summary_is_that_of_the_file(made, result_file):
+    with browsing(made) as opened:
+        rows = opened.evaluate("[...document.querySelector('#summary').parentElement.querySelectorAll('table tr')]"
+                               ".map(r => [...r.cells].map(c => c.innerText))")  # fmt: skip
+    heads, *rows = rows
+    summary = load(result_file).summary
+    assert [row[0] for row in rows] == list(summary.index)
+    for head, column, scale in (
+        ("error", "error", 1),
+        ("false positives", "false_positive", 1),
+        ("mean time (µs)", "time_mean_ns", 1e3),
+        ("false negatives", "false_negative", 1),
+        ("Matthews", "matthews", 1),
+    ):
+        shown_there = [float(row[heads.index(head)].replace("\u202f", "").replace("–", "nan")) for row in rows]
+        np.testing.assert_allclose(shown_there, summary[column].astype(float) / scale, rtol=6e-3, atol=6e-5)
+
+
+def test_a_press_on_a_head_sorts_and_printing_opens_the_numbers(made):
+    with browsing(made) as opened:
+        errors = (
+            "[...document.querySelectorAll('#summary ~ .table tbody tr')].map(r => parseFloat(r.cells[1].innerText))"
+        )
+        for order in (1, -1):
+            opened.click_on("#summary ~ .table th:nth-child(2) button")
+            found = opened.evaluate(errors)
+            assert found == sorted(found, reverse=order < 0)
+        closed = "document.querySelectorAll('figure details:not([open])').length"
+        assert opened.evaluate(closed) > 0
+        opened.evaluate("dispatchEvent(new Event('beforeprint'))")
+        assert opened.evaluate(closed) == 0
+
+
+def test_the_same_file_gives_the_same_bytes(made, result_file):
+    assert report([load(result_file)]) == made.read_text(encoding="utf-8")
+
+
+def test_texts_of_a_file_are_shown_and_not_run(copy, tmp_path):
+    evil = '<script>console.error("run")</script>&"'
+    with h5py.File(copy, "r+") as file:
+        file.attrs["title"] = evil
+        file["answers/obb_sat"].attrs["operations_unit"] = evil
+    assert main(["report", str(copy), "-o", str(tmp_path / "r.html")]) == 0
+    assert open_page(tmp_path / "r.html") == []
+    assert "&lt;script&gt;" in (tmp_path / "r.html").read_text(encoding="utf-8")
+
+
+def test_numbers_are_shown_with_four_digits():
+    values = (True, 7, 12345, 0.123456, float("nan"), float("inf"), None, 123456.7, "a<b")
+    assert [shown(value) for value in values] == [
+        "yes", "7", "12\u202f345", "0.1235", "–", "∞", "–", "123\u202f457", "a&lt;b",
+    ]  # fmt: skip
+
+
+def test_figures_of_one_page_do_not_share_identifiers():
+    def drawn(top):
+        fig, axes = figure()
+        axes.plot([0, 1], [0, top], **style("obb_sat"))
+        return svg_of(fig)
+
+    assert drawn(1) == drawn(1)
+    table = pd.DataFrame({"x": [1]})
+    parts = [Figure(f"{top}", drawn(top), "", table, f"k{top}") for top in (1, 2)] + [Table("t", table, "")]
+    text = page("t", [], [], [Section("s", parts)])
+    found = re.findall(r'\bid="([^"]+)"', text)
+    assert len(found) == len(set(found)) and 'id="f' in text
+
+
+def test_styles_are_stable_and_differ():
+    names = [
+        "obb_sat",
+        "bounding_sphere",
+        "rotated_aabb",
+        "facet_distance",
+        "obb_corners",
+        "facet_vectors",
+        "obb_triangles",
+        "facet_triangles",
+        "facet_rotations",
+        "cannon_naive",
+        "cannon_sap",
+        "aabb",
+        "my_method",
+    ]
+    looks = [(style(name)["color"], style(name)["marker"]) for name in names]
+    assert len(set(looks)) == len(names) and {colour for colour, _ in looks} <= set(PALETTE.values())
+
+
+# ---- the front, the lines and the names
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_front_is_what_nothing_dominates(seed):
+    random = np.random.default_rng(seed)
+    cost, error = random.integers(0, 8, (2, random.integers(1, 30)))  # ties happen
+    found = pareto.front(cost, error)
+    for i in range(len(cost)):
+        beaten = any(
+            cost[j] <= cost[i] and error[j] <= error[i] and (cost[j], error[j]) != (cost[i], error[i])
+            for j in range(len(cost))
+        )
+        assert found[i] != beaten, f"seed {seed}: {cost} {error}"
+
+
+def test_sweeps_join_labels_that_differ_in_one_number():
+    knobs = [
+        {"stride": 5, "strip": "a"},
+        {"stride": 20, "strip": "a"},
+        {"stride": 10, "strip": "a"},
+        {"stride": 5, "strip": "b"},
+        {"on": True},
+    ]
+    points = pd.DataFrame({"algorithm": ["f", "f", "f", "f", "g"], "knobs": knobs, "cost": [4, 1, 2, 3, 0]})
+    assert pareto.sweeps(points) == [("f", "stride", [0, 2, 1])]
+    assert pareto.relatives(points, "cost") == []
+    points.loc[4, "algorithm"] = "f"
+    assert pareto.relatives(points, "cost") == [("f", [4, 3])]
+
+
+@pytest.mark.parametrize("seed, count", [(0, 2), (1, 12), (2, 24), (3, 24), (4, 60)])
+def test_labels_cover_neither_each_other_nor_marks(seed, count):
+    random = np.random.default_rng(seed)
+    marks = random.normal((200, 150), (90, 30), (count, 2)).clip((20, 20), (380, 280))
+    sizes = np.column_stack([random.uniform(30, 110, count), np.full(count, 9)])
+    region = (0, 0, 420, 300)
+    corners = labels.place(np.arange(count), sizes, region, marks, np.full(count, 4), [])
+    put = ~np.isnan(corners[:, 0])
+    assert put.sum() >= min(count, 20) * 0.8, f"seed {seed}"
+    low, high = corners[put], corners[put] + sizes[put]
+    assert (low >= 0).all() and (high <= region[2:]).all()
+    covered = (low[:, None] < high[None]).all(axis=2) & (low[None] < high[:, None]).all(axis=2)
+    assert not (covered & ~np.eye(put.sum(), dtype=bool)).any(), f"seed {seed}"
+    assert not ((low[:, None] < marks[None] + 4) & (marks[None] - 4 < high[:, None])).all(axis=2).any(), f"seed {seed}"
+
+
+def points(rows):
+    """label, error, ns -> what finding() asks of points."""
+    table = pd.DataFrame(rows, columns=["label", "error", "time_mean_ns"])
+    return table.assign(front=pareto.front(table.time_mean_ns, table.error))
+
+
+@pytest.mark.parametrize("rows, words", [
+    ([("a", 0.5, 1000.0)], "a errs 0.5 at 1 µs; it is alone, there is nothing to compare it with"),
+    ([("a", 0.5, 1000.0), ("b", 0.7, 3000.0)],
+     "a errs least, 0.5, and is also the fastest, 1 µs: no other is worth its cost here"),
+    ([("a", 0.5, 1e3), ("b", 0.2, 3e3), ("c", 0.0, 2e6)],
+     "c makes no error at 2 ms; nothing faster errs less than 0.2 (b, 3 µs); the fastest, a at 1 µs, errs 0.5"),
+    ([("a", 0.0, 10.0), ("b", 0.0, 5.0)], "No algorithm errs on this scene; b is the fastest, 5 ns"),
+    ([("a", 0.5, 1e3), ("b", 0.2, 3e3)], "b errs least, 0.2, at 3 µs; nothing faster errs less than 0.5 (a, 1 µs)"),
+    ([], "No algorithm has a cost that could be drawn"),
+])  # fmt: skip
+def test_the_title_says_what_the_figure_shows(rows, words):
+    assert plots_error.finding(points(rows), "time_mean_ns") == words
+
+
+# ---- figures of results
+
+
+def figures(runs):
+    found = pareto.scenes(runs)
+    return [plots_error.against(scene, scene.points, cost, "k") for scene in found for cost in plots_error.COSTS]
+
+
+@pytest.mark.parametrize("config", SCENES, ids=lambda path: path.stem)
+def test_every_configuration_gives_figures_with_all_its_labels(small_file, config):
+    run = load(small_file(config))
+    for drawn in figures([run]):
+        assert sorted(drawn.table.label) == sorted(run.meta["algorithms"])
+        for label in run.meta["algorithms"]:  # under the pointer, when not beside the mark
+            assert f"<title>{label}: error " in drawn.svg
+        xml.dom.minidom.parseString(drawn.svg)
+
+
+def test_few_labels_are_all_named_beside_their_marks(result_file):
+    run = load(result_file)
+    for drawn in figures([run]):
+        named = re.findall(r"<text[^>]*>([^<]*)</text>", drawn.svg)
+        assert set(run.meta["algorithms"]) <= set(named)
+
+
+def test_an_algorithm_without_error_stands_in_the_strip(copy):
+    assert "none is without error" in figures([load(copy)])[0].svg
+    with h5py.File(copy, "r+") as file:
+        file["answers/obb_sat"].attrs["promise"] = "exact"
+        for name in ("error", "false_positive", "false_negative"):
+            values = file[f"summary/{name}"][()]
+            values[list(file["algorithm"].asstr()).index("obb_sat")] = 0
+            file[f"summary/{name}"][...] = values
+    drawn = figures([load(copy)])[0]
+    assert drawn.title.startswith("obb_sat makes no error at ")
+    assert "none is without error" not in drawn.svg and "ring: promises exactness" in drawn.svg
+
+
+# ---- several files, machines, and what is odd
+
+
+def test_files_of_one_motion_share_figures_and_equal_answers_count_once(result_file, copy):
+    found = pareto.scenes([load(result_file), load(copy)])
+    assert len(found) == 1 and list(found[0].points.label) == load(result_file).meta["algorithms"]
+
+
+def test_another_machines_times_are_drawn_apart_and_it_is_said(result_file, copy, tmp_path, brief):
+    with h5py.File(copy, "r+") as file:
+        file["answers/obb_sat"].attrs["processor"] = "Other processor"
+    path = tmp_path / "r.html"
+    assert main(["report", str(copy), "-o", str(path)]) == 0
+    text = path.read_text(encoding="utf-8")
+    assert "timed on 2 different machines or builds" in text and "Their times are drawn apart" in text
+    assert 'id="error-time-1-1"' in text and 'id="error-time-1-2"' in text
+    apart = text[text.index('id="error-time-1-2"') :]
+    assert apart[: apart.index("</figure>")].count("<title>") == 1  # obb_sat alone
+    together = text[text.index('id="error-operations-1"') :]
+    assert together[: together.index("</figure>")].count("<title>") == len(load(copy).meta["algorithms"])
+    assert main(["report", str(result_file), str(copy), "-o", str(path)]) == 0
+    assert "obb_sat (copy)" in path.read_text(encoding="utf-8")
+
+
+def test_other_scenes_have_figures_of_their_own(small_file, tmp_path, brief):
+    files = [str(small_file(config)) for config in SCENES if config.stem in ("hriste", "kostka")]
+    assert main(["report", *files, "-o", str(tmp_path / "r.html")]) == 0
+    text = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert 'id="error-time-1-1"' in text and 'id="error-time-2-1"' in text and "do not compare" in text
+
+
+def odd(path, tmp_path, *words):
+    """A report of `path` is made, opens without a message, and says `words`."""
+    output = tmp_path / "odd.html"
+    assert main(["report", str(path), "-o", str(output)]) == 0
+    text = output.read_text(encoding="utf-8")
+    for word in words:
+        assert word in text, word
+    assert open_page(output) == []
+
+
+def test_zero_hits_are_said(pipeline, tmp_path):
+    config = tmp_path / "far.toml"
+    (tmp_path / "poses.csv").write_text("step,body,px,py,pz,qw,qx,qy,qz\n" + "".join(
+        f"{step},{body},{x},0,0,1,0,0,0\n" for step in range(3) for body, x in (("a", 0), ("b", 50))))  # fmt: skip
+    balls = "".join(f'[[scene.body]]\nname = "{name}"\nshape = "sphere"\nradius = 0.5\n' for name in "ab")
+    config.write_text(f'[scene]\nkind = "replay"\nposes = "poses.csv"\n{balls}')
+    path = tmp_path / "far.h5"
+    subprocess.run([pipeline, "run", str(config), "-o", str(path), "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    odd(path, tmp_path, "no two bodies ever meet", "No algorithm errs on this scene", "No pair meets")
+
+
+def test_one_algorithm_is_said(pipeline, tmp_path):
+    path = smoke(pipeline, tmp_path / "x.h5", "steps=20", "algorithm=[{name='obb_sat'}]")
+    odd(path, tmp_path, "only one algorithm, obb_sat", "it is alone")
+
+
+def test_a_failed_integration_is_said(pipeline, tmp_path):
+    path = smoke(pipeline, tmp_path / "x.h5", "steps=30", "physics.step_budget=1")
+    odd(path, tmp_path, "the integration failed at step", "nothing moves and nothing meets")
+
+
+def test_a_result_without_algorithms_is_said(copy, tmp_path):
+    with h5py.File(copy, "r+") as file:
+        for group in ("results", "summary", "answers", "algorithm"):
+            del file[group]
+    odd(copy, tmp_path, "no algorithm has answered", "There is nothing to draw")
+
+
+@pytest.mark.parametrize(
+    "group", ["physics", "results", "bodies", "meshes", "motion", "truth", "run", "summary", "config", "passes"]
+)
+def test_a_group_that_is_missing_is_no_obstacle(copy, tmp_path, group):
+    with h5py.File(copy, "r+") as file:
+        if group in file:
+            del file[group]
+    said = {"results": "lacks /results", "motion": "lacks /motion", "truth": "has no truth",
+            "summary": "the summary of the algorithms is missing", "run": "lacks /run"}  # fmt: skip
+    assert main(["report", str(copy), "-o", str(tmp_path / "odd.html")]) == 0
+    assert said.get(group, "") in (tmp_path / "odd.html").read_text(encoding="utf-8")
+
+
+def test_a_debug_build_and_a_broken_promise_are_said(copy, tmp_path, brief):
+    with h5py.File(copy, "r+") as file:
+        file.attrs["build_type"] = "Debug"
+        file.attrs["git_commit"] = "0123456789-dirty"
+        kept = file["summary/promise_kept"][()]
+        kept[0] = 0
+        file["summary/promise_kept"][...] = kept
+    label = load(copy).meta["algorithms"][0]
+    odd(copy, tmp_path, "a debug build timed this", f"broke their promise: {label}", "differ from commit 0123456")
+
+
+# ---- the output
+
+
+def test_only_pages_are_overwritten(made, result_file, tmp_path, capsys, brief):
+    precious = tmp_path / "precious.txt"
+    precious.write_text("mine")
+    for output in (precious, tmp_path, tmp_path / "no" / "folder.html"):
+        assert main(["report", str(result_file), "-o", str(output)]) == 4
+        said = capsys.readouterr().err
+        assert said.startswith(f"{output}: ") and said.count("\n") == 1, said
+    assert precious.read_text() == "mine"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["precious.txt"]
+    assert main(["report", str(result_file), "-o", str(shutil.copy(made, tmp_path / "again.html"))]) == 0
+
+
+def test_the_script_finds_its_python_from_any_folder(result_file, tmp_path):
+    run = subprocess.run(
+        [str(ROOT / "scripts" / "report"), str(result_file)], cwd=tmp_path, text=True, capture_output=True
+    )
+    assert run.returncode == 0 and run.stdout == "report.html\n" and run.stderr == "", run.stderr
+    assert (tmp_path / "report.html").stat().st_size > 10000
+
+
+# ---- README
+
+
+def test_the_ten_lines_of_the_readme_draw_its_picture(result_file, tmp_path):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (code,) = [block for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "savefig" in block]
+    assert len([line for line in code.splitlines() if line.strip()]) == 10
+    (tmp_path / "results").mkdir()
+    shutil.copy(result_file, tmp_path / "results" / "padani.h5")
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"}
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, check=True)
+    drawn = (tmp_path / "error_against_time.svg").read_text(encoding="utf-8")
+    (picture,) = re.findall(r"!\[[^]]*\]\((\S*error_against_time.svg)\)", text)
+    for svg in (drawn, (ROOT / picture).read_text(encoding="utf-8")):
+        for words in ("error = (FP + FN) / (TP + FP + FN)", *load(result_file).meta["algorithms"][:3]):
+            assert f"<!-- {words} -->" in svg  # matplotlib names each text so

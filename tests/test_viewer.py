@@ -1,0 +1,384 @@
+"""`python3 -m analysis scene`: what the page holds is what the file says, and the page works in a browser."""
+
+import base64
+import contextlib
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import h5py
+import matplotlib.image
+import numpy as np
+import pytest
+from browser import browsing
+from conftest import ROOT
+
+from analysis import viewer
+from analysis.__main__ import main
+from analysis.load import load
+
+DONE, USAGE, INPUT, FILE = 0, 2, 3, 4
+FN, FP, TP = (0xD5, 0x5E, 0x00), (0x00, 0x72, 0xB2), (0x00, 0x9E, 0x73)
+
+
+@pytest.fixture(scope="session")
+def replay_file(pipeline, tmp_path_factory):
+    """configs/replay_example.toml: four bodies, one born late, one inside another for a while; containment recorded."""
+    path = tmp_path_factory.mktemp("replay") / "replay.h5"
+    command = [pipeline, "run", str(ROOT / "configs" / "replay_example.toml"), "-o", str(path), "--quiet"]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return path
+
+
+def page_of(path, **options):
+    return viewer.step_page(path, **options)[0]
+
+
+def data_of(page):
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.S)[1])
+
+
+def array(text, kind):
+    return np.frombuffer(base64.b64decode(text), kind)
+
+
+def pairs_at(packed, k):
+    offset, pair = array(packed["offset"], "<u4"), array(packed["pair"], "<u2").reshape(-1, 2)
+    return pair[offset[k] : offset[k + 1]]
+
+
+def drawn(data, k, body):
+    """The world vertices of a body as the page has them, in doubles."""
+    poses = array(data["poses"], "<f4").reshape(data["count"], len(data["bodies"]), 7).astype(float)
+    pose = poses[k, body]
+    mesh = data["meshes"][data["bodies"][body]["mesh"]]
+    vertices = array(mesh["vertices"], "<f4").reshape(-1, 3).astype(float)
+    return viewer.turned(pose[:4], vertices) + pose[4:] + data["centre"]
+
+
+def true_vertices(path, step, body):
+    with h5py.File(path) as file:
+        vertices = file["meshes"][file["bodies/mesh"].asstr()[body]]["vertices"][()]
+        return viewer.turned(file["motion/orientation"][step, body], vertices) + file["motion/position"][step, body]
+
+
+@pytest.fixture
+def command(capsys):
+    """python3 -m analysis scene with arguments, in this process: its code, stdout and stderr."""
+
+    def run(*arguments):
+        try:
+            code = main(["scene", *map(str, arguments)])
+        except SystemExit as end:  # argparse
+            code = end.code
+        out, err = capsys.readouterr()
+        return SimpleNamespace(returncode=code, stdout=out, stderr=err)
+
+    return run
+
+
+def one_line(run):
+    lines = run.stderr.strip().splitlines()
+    assert len(lines) == 1, run.stderr
+    return lines[0]
+
+
+# ---- what the page holds
+
+
+@pytest.mark.parametrize("name", ["result_file", "replay_file"])
+def test_wrong_answers_are_those_that_the_run_counted(request, name):
+    path = request.getfixturevalue(name)
+    data, run = data_of(page_of(path, step=20)), load(path)
+    counts = run.per_step.set_index(["step", "algorithm"])
+    assert [algorithm["label"] for algorithm in data["algorithms"]] == run.meta["algorithms"]
+    for algorithm in data["algorithms"]:
+        for k in range(data["count"]):
+            row = counts.loc[(data["first"] + k, algorithm["label"])]
+            assert len(pairs_at(algorithm["fp"], k)) == row.false_positive
+            assert len(pairs_at(algorithm["fn"], k)) == row.false_negative
+            assert len(pairs_at(data["truth"], k)) == row.true_positive + row.false_negative
+
+
+def test_contained_pairs_are_listed_apart(replay_file):
+    data, contained = data_of(page_of(replay_file, step=0)), load(replay_file).contained_pairs
+    assert data["containment"] == "record" and len(contained)
+    for k in range(data["count"]):
+        assert len(pairs_at(data["contained"], k)) == (contained.step == data["first"] + k).sum()
+
+
+@pytest.mark.parametrize("name", ["result_file", "replay_file"])
+def test_bodies_are_drawn_where_they_are(request, name):
+    path = request.getfixturevalue(name)
+    data = data_of(page_of(path, step=30))
+    for k in (0, data["count"] - 1):
+        for body in range(len(data["bodies"])):
+            true = true_vertices(path, data["first"] + k, body)
+            # Single precision about the scene's middle: some 1e-7 of lengths up to a hundred metres.
+            np.testing.assert_allclose(drawn(data, k, body), true, rtol=0, atol=1e-5)
+
+
+def test_a_scene_a_million_kilometres_away_keeps_its_shape(result_file, tmp_path):
+    far = tmp_path / "far.h5"
+    shutil.copy(result_file, far)
+    with h5py.File(far, "r+") as file:
+        file["motion/position"][...] += 1e9
+    data = data_of(page_of(far, step=10))
+    k = 10 - data["first"]
+    for body in range(len(data["bodies"])):
+        # Of the doubles themselves 1.2e-7 m are left there; Float32 without recentring would be off by 64 m.
+        np.testing.assert_allclose(drawn(data, k, body), true_vertices(far, 10, body), rtol=0, atol=1e-5)
+
+
+def test_bodies_not_there_are_not_drawn(replay_file):
+    data, run = data_of(page_of(replay_file, step=0)), load(replay_file)
+    poses = array(data["poses"], "<f4").reshape(data["count"], len(data["bodies"]), 7)
+    there = np.isfinite(poses).all(axis=2)
+    late = [b for b, row in enumerate(run.bodies.itertuples()) if row.first_step > 0]
+    assert late, "the example has a body that is born late"
+    for body in late:
+        born = run.bodies.first_step.iloc[body]
+        assert not there[: born - data["first"], body].any() and there[born - data["first"] :, body].all()
+
+
+def test_without_a_step_it_opens_where_the_algorithm_errs_most(result_file):
+    for label, rows in load(result_file).per_step.groupby("algorithm", observed=True):
+        wrong = (rows.false_positive + rows.false_negative).to_numpy()
+        assert viewer.step_page(result_file, label=label)[1] == int(np.argmax(wrong))
+        inside = viewer.step_page(result_file, label=label, window=slice(5, 9))[1]
+        assert inside == 5 + int(np.argmax(wrong[5:9]))
+
+
+def test_the_window_is_cut_at_the_ends_and_shortened_to_stay_small(result_file, monkeypatch):
+    data = data_of(page_of(result_file, step=10))
+    assert (data["first"], data["count"]) == (0, min(load(result_file).meta["steps"], 10 + viewer.AROUND + 1))
+    monkeypatch.setattr(viewer, "USUAL_BYTES", 20_000)
+    small = data_of(page_of(result_file, step=60))
+    assert 0 < small["count"] < 2 * viewer.AROUND and small["first"] <= 60 < small["first"] + small["count"]
+    assert len(base64.b64decode(small["poses"])) <= 20_000
+
+
+def test_too_large_a_page_is_refused(result_file, monkeypatch):
+    monkeypatch.setattr(viewer, "MOST_BYTES", 100_000)
+    with pytest.raises(viewer.Unfit, match="fewer --steps"):
+        page_of(result_file, step=10, window=slice(0, 100))
+
+
+def test_the_page_asks_the_network_for_nothing_and_names_the_licence(result_file):
+    page = page_of(result_file, step=10)
+    assert "default-src 'none'" in page and "three.js authors" in page and "WITHOUT WARRANTY OF ANY KIND" in page
+    assert not re.search(r'<(script|link|img|iframe)[^>]*(src|href)="(?!data:)', page)
+
+
+# ---- the command line
+
+
+def test_the_page_is_written_and_named(result_file, tmp_path):
+    run = subprocess.run([sys.executable, "-m", "analysis", "scene", str(result_file), "--step", "12"], text=True,
+                         cwd=tmp_path, capture_output=True, env=os.environ | {"PYTHONPATH": str(ROOT)})  # fmt: skip
+    assert run.returncode == DONE, run.stderr
+    assert run.stdout.strip() == f"{result_file.stem}_step12.html" and os.listdir(tmp_path) == [run.stdout.strip()]
+
+
+@pytest.mark.parametrize("arguments, code, words", [
+    (["--step", "5", "--algorithm", "obb_set"], INPUT, ["obb_set", "obb_sat", "rotated_aabb"]),
+    (["--step", "100000"], INPUT, ["100000", "0 to"]), (["--step", "-1"], INPUT, ["-1"]),
+    (["--step", "5", "--steps", "7:9"], INPUT, ["7:9"]), (["--steps", "9:7"], INPUT, ["9:7"]),
+    (["--steps", "0:100000"], INPUT, ["0:100000"]),
+])  # fmt: skip
+def test_a_value_that_does_not_fit_is_told_in_a_line(command, result_file, tmp_path, arguments, code, words):
+    run = command(result_file, *arguments, "-o", tmp_path / "x.html")
+    assert run.returncode == code and all(word in one_line(run) for word in words)
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("arguments", [["--step", "five"], ["--steps", "5"], ["--steps", "a:b"], ["--nope"]])
+def test_wrong_grammar_is_code_2(command, result_file, arguments):
+    assert command(result_file, *arguments).returncode == USAGE
+
+
+def test_files_that_are_none_or_cannot_be_written_are_told_in_a_line(command, result_file, tmp_path, monkeypatch):
+    text, cut, newer = (tmp_path / name for name in ("text.h5", "cut.h5", "newer.h5"))
+    text.write_text("no result")
+    cut.write_bytes(result_file.read_bytes()[:50_000])
+    shutil.copy(result_file, newer)
+    with h5py.File(newer, "r+") as file:
+        file.attrs["schema_version"] = 99
+    for path in (text, cut, newer, tmp_path / "none.h5", tmp_path):
+        run = command(path, "--step", 5, "-o", tmp_path / "x.html")
+        assert run.returncode == FILE and str(path) in one_line(run), path
+    run = command(result_file, "--step", 5, "-o", tmp_path / "no" / "x.html")
+    assert run.returncode == FILE and one_line(run)
+    missing = pathlib.Path("/nowhere/three.min.js")
+    monkeypatch.setattr(viewer, "THREE_JS", [missing])
+    run = command(result_file, "--step", 5, "-o", tmp_path / "x.html")
+    assert run.returncode == 1 and "libjs-three" in one_line(run)
+    monkeypatch.undo()
+    own = tmp_path / "own.h5"
+    shutil.copy(result_file, own)
+    assert command(own, "--step", 5, "-o", own).returncode == INPUT
+    assert own.read_bytes() == result_file.read_bytes()
+
+
+# ---- in the browser
+
+
+@contextlib.contextmanager
+def opened(text, tmp_path, **options):
+    (tmp_path / "page.html").write_text(text)
+    with browsing(tmp_path / "page.html", timeout=200, **({"width": 1000, "height": 640} | options)) as page:
+        page.tmp_path = tmp_path
+        yield page
+
+
+def picture(page):
+    """What the window shows, rows x columns x 3, 0 to 255."""
+    page.settle()
+    page.screenshot(page.tmp_path / "shot.png", whole=False)
+    return np.round(255 * matplotlib.image.imread(page.tmp_path / "shot.png")[:, :, :3]).astype(int)
+
+
+def coloured(image, color, left=0, right=640, top=110, bottom=500):
+    """How many pixels of the 3D view (beside the legend) have a colour's hue, lit lighter or darker."""
+    view = image[top:bottom, left:right].reshape(-1, 3).astype(float)
+    direction = np.array(color) / np.linalg.norm(color)
+    length = np.linalg.norm(view, axis=1)
+    return int(((view @ direction > 0.985 * length) & (length > 40)).sum())
+
+
+@pytest.fixture(scope="module")
+def shown(result_file, tmp_path_factory):
+    """The page of the smoke run, open at the step at which rotated_aabb errs most, with both kinds of errors."""
+    rows = load(result_file).per_step.query("algorithm == 'rotated_aabb' and false_positive > 0 and false_negative > 0")
+    step = int(rows.sort_values("false_negative").step.iloc[-1])
+    text = page_of(result_file, step=step, label="rotated_aabb")
+    with opened(text, tmp_path_factory.mktemp("shown")) as page:
+        page.step = step
+        yield page
+
+
+@pytest.fixture
+def page(shown):
+    shown.evaluate(f"(viewer.choose(null), viewer.setAlgorithm(1), viewer.go({shown.step}), scrollTo(0, 0))")
+    shown.press("f")
+    shown.evaluate("new Promise(done => setTimeout(done, 600))")  # the camera's way there
+    yield shown
+    assert shown.messages == []
+
+
+def test_bodies_are_seen_in_the_colours_of_their_errors(page):
+    image = picture(page)
+    assert len(np.unique(image[110:500, :640].reshape(-1, 3), axis=0)) > 200, "a picture, not an empty view"
+    assert coloured(image, FN) > 100 and coloured(image, FP) > 100
+    page.evaluate("viewer.setAlgorithm(0)")  # bounding_sphere never misses
+    assert page.evaluate("viewer.now().fn.length") == 0
+    assert coloured(picture(page), FN) == 0
+
+
+def test_stepping_changes_step_lists_and_picture(page):
+    before, text = picture(page), page.evaluate("document.getElementById('now').textContent")
+    page.press("ArrowRight")
+    assert page.evaluate("viewer.step()") == page.step + 1
+    assert page.evaluate("document.getElementById('now').textContent") != text
+    assert (picture(page)[110:500, :640] != before[110:500, :640]).any()
+    page.click_on("#back")
+    page.click_on("#back")
+    assert page.evaluate("viewer.step()") == page.step - 1
+
+
+def test_lists_show_the_pairs_of_the_run(page, result_file):
+    row = load(result_file).per_step.query("step == @page.step and algorithm == 'rotated_aabb'").iloc[0]
+    heads = page.evaluate("[...document.querySelectorAll('#lists summary')].map(e => e.textContent)")
+    assert f"FNFalse negatives: {row.false_negative}" in heads and f"FPFalse positives: {row.false_positive}" in heads
+    rows = page.evaluate("document.querySelectorAll('#lists li button .sign.fn').length")
+    assert rows == row.false_negative
+
+
+def test_a_click_on_a_body_tells_its_name_and_partners(page):
+    body = page.evaluate("viewer.now().fn.flat().find(b => !viewer.state.through[b])")
+    page.evaluate(f"viewer.fly([{body}])")  # what is see-through hides nothing from the click
+    page.evaluate(f"viewer.state.through = viewer.state.through.map((_, b) => b !== {body})")
+    page.evaluate("new Promise(done => setTimeout(done, 600))")
+    x, y = page.evaluate(f"viewer.pixel({body})")
+    page.click(x, y)
+    assert page.evaluate("viewer.state.chosen") == [body]
+    told = page.evaluate("document.getElementById('chosen').textContent")
+    assert page.evaluate(f"viewer.name({body})") in told and "pair" in told
+    page.evaluate("viewer.state.through.fill(false)")
+    partners = page.evaluate(f"Object.values(viewer.now()).flat().filter(p => p.includes({body})).length")
+    assert page.evaluate("document.querySelectorAll('#chosen li').length") == partners > 0
+
+
+def test_a_click_on_a_row_brings_the_camera_to_the_pair(page):
+    before = picture(page)
+    page.click_on("#lists li button")
+    page.evaluate("new Promise(done => setTimeout(done, 600))")
+    pair = page.evaluate("viewer.state.chosen")
+    assert pair == page.evaluate("viewer.now().fn[0]")
+    assert page.evaluate("document.querySelector('#lists [aria-current]').dataset.pair") == "-".join(map(str, pair))
+    assert (picture(page)[110:500, :640] != before[110:500, :640]).any(axis=2).mean() > 0.05
+    assert page.evaluate("viewer.measured().pairs") > 0, "a false negative: the surfaces do cross"
+    told = page.evaluate("document.getElementById('chosen').textContent")
+    assert "they meet" in told and "rotated_aabbis silent" in told and "bounding_spherereports it" in told
+    page.press("Escape")
+    assert page.evaluate("viewer.state.chosen") is None
+
+
+def test_of_every_pair_the_picture_measures_what_the_truth_says(page):
+    """Crossing surfaces for pairs that meet, a gap for the others: measure.js against the exact answer of the file."""
+    counts = page.evaluate("""(() => {
+      const wrong = [];
+      for (let s = 60; s < 120; s += 10) {
+        viewer.go(s);
+        for (const kind of ["fn", "tp", "fp"]) for (const pair of viewer.now()[kind]) {
+          viewer.choose(pair);
+          if ((viewer.measured().pairs > 0) !== (kind !== "fp")) wrong.push([s, kind, pair]);
+          if (kind === "fp" && !(viewer.measured().gap.distance > 0)) wrong.push([s, kind, pair]);
+        }
+      }
+      return wrong;
+    })()""")
+    assert counts == []
+
+
+def test_it_works_on_a_phone_without_scrolling_sideways(result_file, tmp_path):
+    text = page_of(result_file, step=60)
+    with opened(text, tmp_path, width=390, height=844, phone=True) as page:
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+        assert len(np.unique(picture(page)[100:400].reshape(-1, 3), axis=0)) > 100
+        page.click_on("#forth")
+        assert page.evaluate("viewer.step()") == 61 and page.messages == []
+
+
+def test_without_webgl_the_page_says_so_and_still_lists(result_file, tmp_path):
+    broken = """<script>const get = HTMLCanvasElement.prototype.getContext;
+      HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+        return kind.includes("webgl") ? null : get.call(this, kind, ...more); };</script>"""
+    with opened(page_of(result_file, step=60).replace("<body>", "<body>" + broken), tmp_path) as page:
+        assert "no WebGL" in page.evaluate("document.getElementById('message').innerText")
+        assert page.evaluate("document.querySelectorAll('#lists li').length") > 0
+        page.click_on("#lists li button")
+        page.press("ArrowRight")
+        assert page.evaluate("viewer.step()") == 61
+        assert "truth" in page.evaluate("document.getElementById('chosen').textContent")
+
+
+def test_hostile_names_and_lost_bodies_do_no_harm(result_file, tmp_path):
+    copy, title = tmp_path / "copy.h5", "</script><script>alert(1)</script><img src=x onerror=alert(1)><!-- data -->"
+    shutil.copy(result_file, copy)
+    with h5py.File(copy, "r+") as file:
+        file.attrs["title"] = title
+        file["motion/position"][50:] = np.nan  # as after an integration that failed at step 50
+    with opened(page_of(copy, step=45), tmp_path) as page:
+        assert page.evaluate("document.getElementById('title').textContent") == title
+        assert page.evaluate("document.querySelectorAll('img, script').length") == page.evaluate(
+            "document.querySelectorAll('script').length"
+        )
+        page.evaluate("(viewer.go(80), viewer.choose([1]))")
+        assert "failed" in page.evaluate("document.getElementById('chosen').textContent")
+        assert page.messages == []
