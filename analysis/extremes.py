@@ -16,7 +16,8 @@ def error_by_gap(run):
 
     Rows: algorithm, near_touching (bool), gap_class; classes of ulps first by value among the parts of the scale, as
     their median gap in scales orders them. Columns: gap (that median, in scales: negative beyond touching), cases,
-    failed, true_positive, false_positive, false_negative, error (NaN where all failed).
+    failed, true_positive, false_positive, false_negative, error and wrong, the share of wrong answers (both NaN where
+    all failed; where nothing meets, one false positive makes an error of 1, so look at `wrong` there).
     """
     cases = answered(run)
     order = cases.assign(gap=cases["gap"] / cases["scale"]).groupby("gap_class", observed=True)["gap"].median()
@@ -86,4 +87,5 @@ def counted(cases, key):
     table = table.groupby([cases[name] for name in [*KEY, key]], observed=True).sum()
     wrong = table["false_positive"] + table["false_negative"]
     error = (wrong / (wrong + table["true_positive"])).where(wrong > 0, 0.0)
-    return table.assign(error=error.where(table["cases"] > table["failed"]))
+    well = table["cases"] - table["failed"]
+    return table.assign(error=error.where(well > 0), wrong=wrong / well.where(well > 0))

@@ -68,8 +68,8 @@ void ask_again(algorithms::Method& method, algorithms::Method& other_order, cons
 
 /// The columns of `from` after those of `to`.
 void append(const Answers& from, const CaseSet& set, Answers& to) {
-  for (std::size_t s = 0; s < from.hits.steps(); ++s)
-    to.hits.append(std::vector<Pair>(from.hits.at(s).size(), {set.a, set.b}));
+  const Pair pair{std::min(set.a, set.b), std::max(set.a, set.b)};
+  for (std::size_t s = 0; s < from.hits.steps(); ++s) to.hits.append(std::vector<Pair>(from.hits.at(s).size(), pair));
   const auto add = [](const auto& values, auto& column) { column.insert(column.end(), values.begin(), values.end()); };
   add(from.time_ns, to.time_ns);
   add(from.time_median_ns, to.time_median_ns);
