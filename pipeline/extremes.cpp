@@ -57,15 +57,6 @@ bool reports(algorithms::Method& method, const std::vector<Pose>& poses) {
   return !hits.empty();
 }
 
-/// What the algorithm says of a step besides its answer.
-void ask_again(algorithms::Method& method, algorithms::Method& other_order, const std::vector<Pose>& poses,
-               const CaseSet& set, ExtremeAnswers& out) {
-  out.swapped.push_back(reports(other_order, {poses[1], poses[0]}));
-  std::vector<Pose> moved = poses;
-  for (Pose& pose : moved) pose.t += set.moved;
-  out.moved.push_back(reports(method, moved));
-}
-
 /// The columns of `from` after those of `to`.
 void append(const Answers& from, const CaseSet& set, Answers& to) {
   const Pair pair{std::min(set.a, set.b), std::max(set.a, set.b)};
@@ -97,20 +88,27 @@ Answers silence(const Truth& truth, std::size_t steps) {
   return out;
 }
 
-/// Adds what the algorithm says of the steps of `range`. Returns whether it failed, and why.
+/// Adds what the algorithm says of the steps of `range`, all of it or nothing. Returns whether it failed, and why. One
+/// method is there at a time: of dense meshes it may fill a gigabyte.
 Failed answer(const Stretch& range, const CaseSet& set, const AlgorithmChoice& choice, std::int64_t repeats,
               const Machine& machine, Answers& answers, ExtremeAnswers& cases) {
   Failed failure = kRefused;
   try {
     const algorithms::Algorithm& row = *algorithms::find(choice.name);
-    const auto method = row.make(range.bodies, choice.knobs);
-    const auto other_order = row.make(two_of(range.bodies, 1, 0), choice.knobs);
+    ExtremeAnswers said;
+    auto method = row.make(range.bodies, choice.knobs);
     failure = kThrew;
+    for (std::vector<Pose> poses : range.poses) {
+      for (Pose& pose : poses) pose.t += set.moved;
+      said.moved.push_back(reports(*method, poses));
+    }
+    method.reset();
+    method = row.make(two_of(range.bodies, 1, 0), choice.knobs);
+    for (const auto& poses : range.poses) said.swapped.push_back(reports(*method, {poses[1], poses[0]}));
+    method.reset();
     Progress silent("", 0, true);
     const Answers found =
         detect(range.bodies, range.poses, range.truth, {choice}, repeats, machine, nullptr, silent)[0];
-    ExtremeAnswers said;
-    for (const auto& poses : range.poses) ask_again(*method, *other_order, poses, set, said);
     append(found, set, answers);
     for (std::size_t s = 0; s < range.poses.size(); ++s) cases.reported.push_back(!found.hits.at(s).empty());
     cases.failed.resize(cases.reported.size(), kWell);

@@ -66,6 +66,7 @@ Plan plan(const Config& config) {
   // boxes (about 48 bytes a triangle) of every body; hierarchies and sampled facets (about 200 bytes a triangle of a
   // mesh).
   plan.memory_bytes = 2 * plan.file_bytes + (1 + gaps) * (24 + 2 * 48) * size.body_vertices + 200 * size.mesh_triangles;
+  if (plan.case_sets > 0) plan.memory_bytes += plan.file_bytes;  // nearly all is motion, there once more for a moment
   return plan;
 }
 

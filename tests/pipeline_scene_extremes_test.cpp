@@ -250,6 +250,18 @@ TEST(Extremes, ARefusalIsRecordedAndTheRestIsAnswered) {
   }
 }
 
+// Moved so far that the coordinates swallow the bodies, all of them meet: `moved` is an answer about the moved ones.
+TEST(Extremes, MovedIsTheAnswerAboutTheMovedBodies) {
+  Scene scene = made(extremes("pairs = [\"box-box\"]\nscales = [1]\noffsets = [0]\n"));
+  for (CaseSet& set : scene.case_sets) set.moved = Vec3::Constant(1e30);
+  const std::vector<AlgorithmChoice> choices = {parse_algorithm("aabb")};
+  Progress quiet("detect", 0, true);
+  const auto found =
+      detect_extremes(scene.bodies, scene.script, truth_of(scene), scene.case_sets, choices, 1, {}, nullptr, quiet);
+  EXPECT_TRUE(std::ranges::all_of(found.cases[0].moved, [](std::uint8_t moved) { return moved == 1; }));
+  EXPECT_FALSE(std::ranges::all_of(found.cases[0].reported, [](std::uint8_t reported) { return reported == 1; }));
+}
+
 TEST(Extremes, CountsLeaveFailuresOut) {
   Extremes extremes;
   extremes.rows.resize(5);
