@@ -76,6 +76,14 @@ class Method {
   /// cheap rejections one each and its prefilter's included: not those of the published procedure where it leaves some
   /// out. The same on every machine. Not timed.
   virtual std::uint64_t count(std::span<const PairRun> runs, std::vector<Pair>& hits) = 0;
+
+  /// What the last `answer` or `count` learned becomes the memory that the next ones start from. Until then they leave
+  /// the memory as it is, however often they are asked, so that every repeat of a step does the same work. Not timed:
+  /// it may only swap what was learned in. A memory may make answers cheaper, never other ones.
+  virtual void remember() {}
+
+  /// Empties the memory: the next step is answered as the first of all.
+  virtual void forget() {}
 };
 
 /// One row of the table of algorithms.

@@ -3,10 +3,13 @@
 #include "algorithms/bounding_sphere.hpp"
 #include "algorithms/cannon_naive.hpp"
 #include "algorithms/cannon_sap.hpp"
+#include "algorithms/exact.hpp"
+#include "algorithms/exact_cold.hpp"
 #include "algorithms/facet_distance.hpp"
 #include "algorithms/facet_rotations.hpp"
 #include "algorithms/facet_triangles.hpp"
 #include "algorithms/facet_vectors.hpp"
+#include "algorithms/fcl_bvh.hpp"
 #include "algorithms/obb_corners.hpp"
 #include "algorithms/obb_sat.hpp"
 #include "algorithms/obb_triangles.hpp"
@@ -28,6 +31,9 @@ const std::vector<Algorithm>& all() {
       aabb(),             //
       cannon_naive(),     //
       cannon_sap(),       //
+      exact(),            //
+      exact_cold(),       //
+      fcl_bvh(),          //
   };
   return table;
 }

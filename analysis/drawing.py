@@ -90,10 +90,12 @@ def cut(run):
     return f" The integration {run.physics.attrs['status']}; the {simulated(run)} steps before it are drawn."
 
 
-def chosen(run):
+def chosen(run, times=True):
     """The labels that a figure draws, MOST_DRAWN at most: first those as published, under their own name, then the
-    first of each algorithm, the second, and so on, in the file's order."""
+    first of each algorithm, the second, and so on, in the file's order; of `times` those of one machine and build."""
     labels, seen, rank = run.meta["algorithms"], {}, {}
+    if times:
+        labels = [label for label in labels if label in comparable(run)]
     for label in labels:
         name = algorithm(run, label)
         seen[name] = seen.get(name, 0) + (label != name)
@@ -102,10 +104,10 @@ def chosen(run):
     return sorted(picked, key=labels.index)
 
 
-def left_out(run):
-    """What a caption says about labels that are not drawn, else ""."""
-    more = len(run.meta["algorithms"]) - MOST_DRAWN
-    return f" Of {len(run.meta['algorithms'])} labels {MOST_DRAWN} are drawn; the table has all." if more > 0 else ""
+def left_out(run, times=True):
+    """What a caption says about labels that are too many to be drawn, else ""."""
+    drawn, labels = len(chosen(run, times)), len(comparable(run) if times else run.meta["algorithms"])
+    return f" Of {labels} labels {drawn} are drawn; the table has all." if labels > drawn else ""
 
 
 def algorithm(run, label):
@@ -136,24 +138,36 @@ def listed(names):
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def machine(run):
-    """Where and with what the algorithms were timed; says so when that is not one machine and build."""
-    places = {}
+def places(run):
+    """Where and with what algorithms were timed -> their labels."""
+    found = {}
     for label, answers in run.meta["answers"].items():
-        places.setdefault(pareto.machine(answers), []).append(label)
-    if len(places) < 2:
-        return f"timed on {next(iter(places), 'nothing')}"
-    each = "; ".join(
-        f"{listed(labels) if len(labels) < 4 else f'{len(labels)} algorithms'} on {place}"
-        for place, labels in places.items()
-    )
-    return f"TIMED ON DIFFERENT MACHINES OR BUILDS, so times are not comparable between them: {each}"
+        found.setdefault(pareto.machine(answers), []).append(label)
+    return found
 
 
-def caption(run, what, thesis=""):
-    """what: what is drawn and how many (sentences); thesis: the figures of the thesis that it answers."""
+def comparable(run):
+    """The labels whose times compare: those of the machine and build that timed most; of equals the first."""
+    return max(places(run).values(), key=len, default=[])
+
+
+def machine(run, times=True):
+    """Where and with what the algorithms were timed; what is not drawn because that was elsewhere, if `times` are."""
+    found = places(run)
+    if len(found) < 2 or not times:
+        return f"timed on {'; '.join(found) or 'nothing'}"
+    drawn = comparable(run)
+    place = next(place for place, labels in found.items() if labels is drawn or labels == drawn)
+    others = [label for label in run.meta["answers"] if label not in drawn]
+    named = listed(others) if len(others) < 4 else f"{len(others)} algorithms"
+    return f"timed on {place}; NOT DRAWN, FOR TIMED ON ANOTHER MACHINE OR BUILD: {named}"
+
+
+def caption(run, what, thesis="", times=True):
+    """what: what is drawn and how many (sentences); thesis: the figures of the thesis that it answers; times: whether
+    it draws times, so only those of one machine and build."""
     config = f"“{run.meta.get('title', '')}” (sha256 {run.meta.get('config_sha256', 'unknown')[:10]})"
-    text = f"{what}{cut(run)} {pareto.name(run)}, configuration {config}, {machine(run)}."
+    text = f"{what}{cut(run)} {pareto.name(run)}, configuration {config}, {machine(run, times)}."
     return f"{text} Answers {thesis} of the thesis." if thesis else text
 
 
@@ -194,8 +208,10 @@ def seconds(axis):
 
 def log_seconds(axes, which="y"):
     """A logarithmic axis of seconds; after the lines, for it divides a short range more finely."""
-    axes.set(**{f"{which}scale": "log"})
     axis = getattr(axes, f"{which}axis")
+    if not getattr(axes.dataLim, f"{which}max") > 0:
+        return seconds(axis)  # nothing to be drawn on a logarithmic axis
+    axes.set(**{f"{which}scale": "log"})
     low, high = axis.get_view_interval()
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,), numticks=15))
     axes.minorticks_off()

@@ -14,6 +14,7 @@ from analysis.drawing import (
     algorithm,
     binned,
     caption,
+    comparable,
     correlation,
     digits,
     label_ends,
@@ -40,7 +41,8 @@ def parts(run):
     physics: columns time_ns, contact_time_ns, contacts. Raises NotDrawn when there is neither or only one of them.
     """
     steps = steps_of(run)
-    columns = {label: steps.labels.index(label) for label in steps.labels if algorithm(run, label) in CANNON}
+    labels = [label for label in comparable(run) if algorithm(run, label) in CANNON]
+    columns = {label: steps.labels.index(label) for label in labels}
     if not columns:
         raise NotDrawn("the file has no answers of cannon_naive or cannon_sap")
     if run.physics is None:
@@ -55,7 +57,8 @@ def parts(run):
 
 def timing_note(run):
     """What a caption says when physics were timed elsewhere than the algorithms, else ""."""
-    places = {(answers.get("host"), answers.get("processor")) for answers in run.meta["answers"].values()}
+    timed = [run.meta["answers"][label] for label in comparable(run)]
+    places = {(answers.get("host"), answers.get("processor")) for answers in timed}
     here = (run.meta["run"].get("host"), run.meta["run"].get("processor"))
     return "" if places == {here} else f" PHYSICS WERE TIMED ON ANOTHER MACHINE ({here[0]}, {here[1]})."
 
@@ -87,6 +90,7 @@ def parts_of_a_step(run, kind, key):
     lines["total"] = (physics_ns + steps.time_ns[:, columns[label]], {"color": PALETTE["black"], "linestyle": "--"})
     fig, axes = figure(height=4.2)
     ends = []
+    lines = {name: line for name, line in lines.items() if line[0][1:].any()}
     for name, (values, look) in lines.items():
         middle, times = binned(values[1:] / 1e9, np.median)
         axes.plot(middle + 1, times, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)

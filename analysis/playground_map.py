@@ -153,7 +153,7 @@ def drawn_map(run, cells, title, what, name):
         f"passes and {len(labels)} algorithms.{more}"
     )
     table = cells.drop(columns="flicker").reset_index()
-    return Figure(title, svg_of(fig), caption(run, text, "section 5.3"), table, name)
+    return Figure(title, svg_of(fig), caption(run, text, "section 5.3", times=False), table, name)
 
 
 def metres(value):
@@ -198,7 +198,7 @@ def flicker_map(run, _, name):
     )
     table = cells.flicker.unstack(1)[columns]
     table.insert(0, "all", changes)
-    return Figure(title, svg_of(fig), caption(run, text, "section 5.3"), table, name)
+    return Figure(title, svg_of(fig), caption(run, text, "section 5.3", times=False), table, name)
 
 
 def grid(run, labels, columns):

@@ -81,19 +81,9 @@ def lead(runs, found):
         machine = " on ".join(filter(None, (meta["run"].get("processor"), meta["run"].get("host"))))
         made = f"{meta.get('build_type', '')} build of commit {meta.get('git_commit', '?')[:7]}"
         what = f"{number(meta['steps'])} steps of {len(meta['bodies'])} bodies, {len(meta['algorithms'])} labels"
-        lines.append(
-            ", ".join(
-                filter(
-                    None,
-                    [
-                        f"{pareto.title(run)} ({pareto.name(run)}): {what}",
-                        made,
-                        machine,
-                        meta["run"].get("date", "")[:10],
-                    ],
-                )
-            )
-        )
+        what = what if run.study is None else f"{len(run.study)} cases of a study of integrators"
+        title = f"{pareto.title(run)} ({pareto.name(run)}): {what}"
+        lines.append(", ".join(filter(None, (title, made, machine, meta["run"].get("date", "")[:10]))))
     return lines
 
 
@@ -107,6 +97,8 @@ def warnings(runs, found):
         }
         if any("debug" in build.lower() for build in builds):
             lines.append(f"{name}: a debug build timed this; its times mean nothing.")
+        if any("governor" in answers.get("processor", "") for answers in meta["answers"].values()):
+            lines.append(f"{name}: the processor changed its frequency while it was timed; times are less certain.")
         if "dirty" in meta.get("git_commit", ""):
             lines.append(f"{name}: made by a program whose sources differ from commit {meta['git_commit'][:7]}.")
         if "openblas" in meta.get("library_versions", "").lower():
@@ -116,6 +108,8 @@ def warnings(runs, found):
                 f"{name}: the integration {_sentence(run.physics.attrs['status'])} From there on nothing moves and"
                 " nothing meets."
             )
+        if run.study is not None:
+            continue  # what follows is asked of scenes
         if not len(meta["algorithms"]):
             lines.append(f"{name}: no algorithm has answered; `pipeline detect` adds answers to the file.")
         elif not len(run.summary.columns):

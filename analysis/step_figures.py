@@ -63,9 +63,9 @@ SEEN = {
 def time_per_step(run, kind, key):
     """All algorithms over the steps, one axis."""
     steps = steps_of(run)
-    if not (steps.time_ns > 0).any():
-        raise NotDrawn("the file's times are all 0")
     drawn = chosen(run)
+    if not (steps.time_ns[:, [steps.labels.index(label) for label in drawn]] > 0).any():
+        raise NotDrawn("the file's times are all 0")
     fig, axes = figure(height=4.6)
     ends = []
     for label in drawn:
@@ -80,12 +80,13 @@ def time_per_step(run, kind, key):
     label_ends(axes, ends)
 
     table = spread(steps)
-    mean, ratio = table["mean ns"][drawn], table["p95 / p5"][drawn]
+    mean, ratio = table["mean ns"][drawn], table["p95 / p5"][drawn].dropna()
+    mean = mean[mean > 0]
     slow, fast = mean.idxmax(), mean.idxmin()
     title = f"{slow} takes {time_text(mean[slow])} per step, "
     title += f"{digits(mean[slow] / mean[fast])} times as long as {fast}" if slow != fast else "the only algorithm here"
-    calm, lively = ratio.idxmin(), ratio.idxmax()
-    if calm != lively:
+    if ratio.nunique() > 1:
+        calm, lively = ratio.idxmin(), ratio.idxmax()
         title += (
             f"; the times of {lively} spread most (their 95th percentile is {digits(ratio[lively])} times the 5th), "
             f"those of {calm} least ({digits(ratio[calm])} times)"
@@ -111,13 +112,13 @@ def spread(steps):
         "p95 / p5": high / np.where(low > 0, low, np.nan),
     }
     parts = stretches(dict(times.items()), np.median).add_prefix("median ns, ")
-    return pd.DataFrame(table).fillna({"p95 / p5": np.inf}).join(parts)
+    return pd.DataFrame(table).join(parts)
 
 
 def hits_per_step(run, kind, key):
     """Pairs reported over the steps, beside those that meet."""
     steps = steps_of(run)
-    drawn = chosen(run)
+    drawn = chosen(run, times=False)
     fig, axes = figure(height=4.6)
     middle, truth = binned(steps.truth, np.mean)
     axes.fill_between(middle, truth, color=TRUTH, linewidth=0)
@@ -154,10 +155,10 @@ def hits_per_step(run, kind, key):
         title += f"; {fewest} the fewest, {share(fewest)}" if most != fewest else ""
     what = (
         f"Pairs reported at a step; the grey area ends at the pairs that truly meet; n = {len(steps.hits)} steps, each "
-        f"point the mean of {stretch(steps.hits)}. The axis is linear below 1.{left_out(run)}"
+        f"point the mean of {stretch(steps.hits)}. The axis is linear below 1.{left_out(run, times=False)}"
     )
-    table.index.name = "algorithm"
-    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table.astype({"hits": int}), key)
+    table = table.astype({"hits": int}).rename_axis("algorithm")
+    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, ""), times=False), table, key)
 
 
 def follows_table(steps):

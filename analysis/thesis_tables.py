@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from analysis import thresholds as t
-from analysis.drawing import NotDrawn, caption, digits, key, log_seconds, steps_of
+from analysis.drawing import NotDrawn, caption, comparable, digits, key, log_seconds, steps_of
 from analysis.figure import PALETTE, Figure, Table, figure, svg_of
 from analysis.statements import CAREFUL, KEYS, shown, verdicts
 
@@ -51,7 +51,7 @@ def means_table(run, kind):
     if kind not in TABLE:
         raise NotDrawn("the thesis has mean times of the box and the falling scene only")
     steps = steps_of(run)
-    letters = {key(run, label): label for label in steps.labels}
+    letters = {key(run, label): label for label in comparable(run)}
     rows = {}
     for letter, milliseconds in THESIS_MS.items():
         if label := letters.get(letter):

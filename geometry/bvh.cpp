@@ -2,9 +2,11 @@
 // splits where binning cannot help. The tree decides how fast an answer comes, never which.
 #include "geometry/bvh.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -12,7 +14,6 @@
 namespace geometry {
 namespace {
 
-constexpr std::uint32_t kLeafSize = 4;   // measured: tests/benchmarks/truth_bench.cpp
 constexpr std::uint32_t kBins = 16;      // Wald's choice; more gained nothing
 constexpr std::uint32_t kMaxDepth = 64;  // halving from there on bounds the depth, whatever the mesh
 
@@ -48,7 +49,7 @@ class Builder {
   void add(std::uint32_t first, std::uint32_t last, std::uint32_t depth) {
     const auto node = static_cast<std::uint32_t>(bvh_.nodes.size());
     bvh_.nodes.push_back({first, last - first, 0});
-    if (last - first <= kLeafSize) {
+    if (last - first <= Bvh::kLeafSize) {
       std::sort(bvh_.order.begin() + first, bvh_.order.begin() + last);
       return;
     }
@@ -128,11 +129,59 @@ class Builder {
   Bvh bvh_;
 };
 
+/// Not less than x >= 0, unless that underflows: geometry/frames.hpp has no use for such small meshes.
+float above(double x) { return static_cast<float>(x * (1 + 0x1p-22)); }
+
+/// The unit normal of the facets, weighted by area; 0 where they cancel out or a length leaves the range of floats.
+Vec3 mean_normal(const Mesh& mesh, std::span<const std::uint32_t> facets) {
+  Vec3 sum = Vec3::Zero();
+  for (const std::uint32_t f : facets) {
+    const auto& [i, j, k] = mesh.triangles[f];
+    sum += (mesh.vertices[j] - mesh.vertices[i]).cross(mesh.vertices[k] - mesh.vertices[i]);
+  }
+  const double length = std::sqrt((sum.x() * sum.x() + sum.y() * sum.y()) + sum.z() * sum.z());
+  if (!(length > 1e-100 && length < 1e100)) return Vec3::Zero();
+  return sum / length;
+}
+
+/// The bound of facets whose box is known. The dot products below are off by less than 4 u |v|, u = 2^-53: part of what
+/// geometry/frames.hpp allows for.
+Bvh::Bound bound(const Mesh& mesh, std::span<const std::uint32_t> facets, const Box& box) {
+  Bvh::Bound out;
+  const Vec3 normal = mean_normal(mesh, facets);
+  for (int k = 0; k < 3; ++k) {
+    out.centre[k] = static_cast<float>(0.5 * box.min[k] + 0.5 * box.max[k]);
+    out.half[k] = above(std::fmax(box.max[k] - out.centre[k], out.centre[k] - box.min[k]));
+    out.normal[k] = static_cast<float>(normal[k]);
+  }
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const std::uint32_t f : facets)
+    for (const std::uint32_t v : mesh.triangles[f]) {
+      const Vec3& p = mesh.vertices[v];
+      const double along = (out.normal[0] * p.x() + out.normal[1] * p.y()) + out.normal[2] * p.z();
+      low = std::fmin(low, along);
+      high = std::fmax(high, along);
+    }
+  out.middle = static_cast<float>(0.5 * low + 0.5 * high);
+  out.thickness = above(std::fmax(high - out.middle, out.middle - low));
+  return out;
+}
+
 }  // namespace
 
 Bvh build_bvh(const Mesh& mesh) {
   assert(!mesh.triangles.empty() && "a mesh has a facet");
-  return Builder(mesh).build();
+  Bvh bvh = Builder(mesh).build();
+  std::vector<Box> boxes(bvh.nodes.size());
+  refit(bvh, mesh, mesh.vertices, boxes);
+  std::vector<std::uint32_t> last(bvh.nodes.size());  // a node's facets are order[first, last)
+  bvh.bounds.resize(bvh.nodes.size());
+  for (std::size_t i = bvh.nodes.size(); i-- > 0;) {
+    const Bvh::Node& node = bvh.nodes[i];
+    last[i] = node.count ? node.first + node.count : last[node.second];
+    bvh.bounds[i] = bound(mesh, std::span(bvh.order).subspan(node.first, last[i] - node.first), boxes[i]);
+  }
+  return bvh;
 }
 
 void refit(const Bvh& bvh, const Mesh& mesh, std::span<const Vec3> world, std::span<Box> boxes) {

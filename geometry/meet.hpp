@@ -4,69 +4,92 @@
 // counts. The answer is exact for the world vertices as rounded by to_world. A body wholly inside another has no
 // crossing triangles and does not meet it.
 #pragma once
+#include <array>
 #include <cstdint>
-#include <deque>
+#include <limits>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "geometry/bodies.hpp"
+#include "geometry/broad_phase.hpp"
 #include "geometry/bvh.hpp"
 #include "geometry/contain.hpp"
-#include "geometry/exact.hpp"
+#include "geometry/placed.hpp"
 
 namespace geometry {
 
-/// A facet in the world.
-struct PlacedFacet {
-  Triangle triangle;
-  Box box;
-};
-
-/// Pairs of nodes of two hierarchies.
-using NodePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-
-/// Decides a step. Holds the hierarchies' scratch memory: one object per thread. Answers do not depend on what was
-/// asked before.
+/// Decides step after step. Holds scratch memory and what the step before taught: one object per thread. What it
+/// remembers tells where to look first: it decides how fast an answer comes, never which.
+///
+///     decision.prepare(poses);
+///     decision.hits(runs, hits);
+///     decision.remember();
+///
+/// hits() starts from the memory as last remembered, so that asking twice is the same work.
 class Decision {
  public:
   /// `bodies`, `bvhs` and `solids` (one per distinct mesh) must outlive this object. `solids` are needed for
   /// containment only.
   Decision(const Bodies& bodies, std::span<const Bvh> bvhs, std::span<const Solid> solids = {});
 
-  /// The pairs among `runs` that meet, sorted. `poses` has one pose per body; those of bodies in no run are not read.
-  /// When `contained` is given it becomes the sorted pairs of which one body is contained in the other
-  /// (geometry/contain.hpp): none of them meets. All meshes must then be closed.
+  /// The step that hits() is about: one pose per body.
+  void prepare(std::span<const Pose> poses);
+
+  /// Appends the pairs among `runs` that meet, sorted, to `out`. When `contained` is given, appends to it the sorted
+  /// pairs of which one body is contained in the other (geometry/contain.hpp): none of them meets. All meshes must then
+  /// be closed. No allocation once the vectors have grown.
+  void hits(std::span<const PairRun> runs, std::vector<Pair>& out, std::vector<Pair>* contained = nullptr);
+
+  /// Makes what the last hits() learned the memory that the next ones start from.
+  void remember() { std::swap(memory_, learned_); }
+
+  /// Empties the memory.
+  void forget() { memory_.clear(); }
+
+  /// Elementary tests made by the last hits(): of pairs of bodies, nodes and triangles.
+  std::uint64_t operations() const { return operations_; }
+
+  /// One step alone: prepare() and hits(). `contained`, when given, is replaced.
   std::vector<Pair> hits(std::span<const Pose> poses, std::span<const PairRun> runs,
                          std::vector<Pair>* contained = nullptr);
 
-  /// The same for one pair alone.
+  /// One pair alone, without memory; the poses of other bodies are not read.
   bool meet(std::span<const Pose> poses, Pair pair);
 
  private:
-  /// A body in the world. Fixed bodies stay placed while their pose keeps its bits; the others only while they can
-  /// still meet a body, and then leave their memory to the next.
-  struct Placed {
-    Pose pose;
-    std::vector<Vec3> world;  // #vertices
-    std::vector<Box> boxes;   // #nodes
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  /// What a near pair taught: two facets that met (of the hierarchies' order), or else a direction that separated or
+  /// was the best known.
+  struct Lesson {
+    Pair pair;
+    std::uint32_t a_facet = kNone, b_facet = kNone;
+    std::array<float, 3> direction{};  // of the world, unit to rounding; 0: none known
+  };
+  struct NodePair {
+    std::uint32_t a, b;
   };
 
-  const Placed& place(std::span<const Pose> poses, std::uint32_t body);
-  void release(std::uint32_t body);
-  Box world_box(std::span<const Pose> poses, std::uint32_t body);
-  bool meet_placed(std::uint32_t a, const Placed& a_placed, std::uint32_t b, const Placed& b_placed);
-  bool is_contained(std::uint32_t a, const Placed& a_placed, std::uint32_t b, const Placed& b_placed) const;
+  Body body(std::uint32_t body, const Enclosure& around, const Placement& at) const {
+    return {bodies_.mesh_of(body), bvhs_[bodies_.mesh[body]], around, at};
+  }
+  bool decide(const Body& a, const Body& b, const Margin& close, Lesson& lesson);
+  bool facets_meet(const Body& a, const Body& b, Lesson& lesson);
+  bool separated(const Body& a, const Body& b, const Margin& margin, Lesson& lesson);
+  bool descend(const Body& a, const Body& b, const Relative& relative, NodePair from, Lesson& lesson);
+  bool leaves_meet(const Body& a, const Body& b, NodePair leaves, Lesson& lesson);
+  bool is_contained(const Body& a, std::uint32_t a_index, const Body& b, std::uint32_t b_index);
 
   const Bodies& bodies_;
   std::span<const Bvh> bvhs_;
   std::span<const Solid> solids_;
-  std::deque<Placed> placed_;        // references stay valid while it grows
-  std::vector<std::uint32_t> free_;  // indices into placed_
-  std::vector<std::uint32_t> slot_;  // #bodies, index into placed_ or kNone
-  std::vector<Vec3> scratch_;
-  NodePairs stack_;
-  std::vector<PlacedFacet> a_cap_, b_cap_;
+  BroadPhase broad_;
+  std::vector<Pair> near_;
+  std::vector<Lesson> memory_, learned_;  // sorted by pair
+  std::vector<NodePair> stack_;
+  NodePairs placed_stack_;
+  std::array<Placed, 2> placed_;
+  std::uint64_t operations_ = 0;
 };
 
 std::vector<Bvh> build_bvhs(const Bodies& bodies);

@@ -110,8 +110,9 @@ algorithms::Value knob_value(const Section& s, const algorithms::Knob& knob) {
   }
 }
 
-/// One algorithm from a table with name, label and knobs.
-AlgorithmChoice algorithm_choice(const Section& s) {
+/// One algorithm from a table with name, label and knobs. A knob `containment` that is not given follows the truth: an
+/// exact method then keeps its promise, which is judged on the truth that scores.
+AlgorithmChoice algorithm_choice(const Section& s, Containment containment) {
   std::vector<std::string> names;
   for (const algorithms::Algorithm& a : algorithms::all()) names.push_back(a.name);
   if (!s.has("name")) s.fail("missing key '" + s.full("name") + "'; " + hint("", names));
@@ -124,12 +125,13 @@ AlgorithmChoice algorithm_choice(const Section& s) {
   s.only(known);
   AlgorithmChoice choice{.name = name, .label = s.text("label", name), .knobs = algorithms::presets(*row)};
   if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
+  if (choice.knobs.contains("containment")) choice.knobs["containment"] = containment == Containment::meet;
   for (const algorithms::Knob& knob : row->knobs)
     if (s.has(knob.name)) choice.knobs[knob.name] = knob_value(s, knob);
   return choice;
 }
 
-std::vector<AlgorithmChoice> algorithm_choices(const Section& root) {
+std::vector<AlgorithmChoice> algorithm_choices(const Section& root, Containment containment) {
   std::vector<AlgorithmChoice> out;
   if (!root.has("algorithm")) {
     for (const algorithms::Algorithm& a : algorithms::all())
@@ -138,7 +140,7 @@ std::vector<AlgorithmChoice> algorithm_choices(const Section& root) {
   }
   std::set<std::string> taken;
   for (const Section& s : root.sections("algorithm")) {
-    out.push_back(algorithm_choice(s));
+    out.push_back(algorithm_choice(s, containment));
     if (taken.insert(out.back().label).second) continue;
     const std::string rule = "be the only one of its label";
     if (s.has("label")) s.refuse("label", rule, "give each algorithm a label of its own");
@@ -249,7 +251,7 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   read_physics(root.section("physics"), config);
   read_truth(root.section("truth"), config);
   config.repeats = root.section("timing").only({"repeats"}).integer("repeats", config.repeats, 1, kMostRepeats);
-  config.algorithms = algorithm_choices(root);
+  config.algorithms = algorithm_choices(root, config.containment);
   config.effective = effective(config);
   return config;
 }
@@ -263,7 +265,7 @@ Config read_config(const std::filesystem::path& path, const std::vector<std::str
   return config;
 }
 
-AlgorithmChoice parse_algorithm(const std::string& argument) {
+AlgorithmChoice parse_algorithm(const std::string& argument, Containment containment) {
   const std::string place = "--algorithm " + one_line(argument);
   if (const auto flaw = first_flaw(argument)) throw Error(kInput, place + ": " + flaw->what);
   std::map<std::string, std::string> texts, knobs;
@@ -287,7 +289,7 @@ AlgorithmChoice parse_algorithm(const std::string& argument) {
     begin = end + 1;
   }
   const Document document(texts, knobs, place);
-  return algorithm_choice(Section(document));
+  return algorithm_choice(Section(document), containment);
 }
 
 std::string knobs_json(const algorithms::Knobs& knobs) {

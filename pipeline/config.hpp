@@ -157,8 +157,9 @@ Config read_config(const std::filesystem::path& path, const std::vector<std::str
 Config parse_config(const std::string& text, const std::filesystem::path& path,
                     const std::vector<std::string>& sets = {});
 
-/// An --algorithm argument, "NAME[:knob=value,...][@LABEL]". Throws Error(kInput) naming the argument.
-AlgorithmChoice parse_algorithm(const std::string& argument);
+/// An --algorithm argument, "NAME[:knob=value,...][@LABEL]", for a truth of that containment: what a knob `containment`
+/// follows when it is not given. Throws Error(kInput) naming the argument.
+AlgorithmChoice parse_algorithm(const std::string& argument, Containment containment = Containment::ignore);
 
 /// The rule for labels and names of bodies.
 bool valid_label(std::string_view label);

@@ -92,6 +92,7 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
     if (timed_hits != hits)
       throw std::logic_error(out.label + ": the timed pass answers otherwise than the counting pass");
   }
+  method.remember();  // before the enlarged boxes, of which nothing is to be learned
   std::sort(timings.begin(), timings.end(), [](const Timing& a, const Timing& b) { return a.total_ns < b.total_ns; });
   out.time_ns.push_back(timings.front().total_ns);
   out.prepare_ns.push_back(timings.front().prepare_ns);
@@ -165,6 +166,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
 
     if (entries.empty())
       for (const AlgorithmChoice& choice : choices) entries.push_back(set_up(bodies, choice));
+    for (Entry& entry : entries) entry.method->forget();  // a resumed run starts here
     for (std::int64_t step = first; step < last; ++step) {
       stop_if_wanted();
       const std::vector<PairRun> runs = geometry::pair_runs(bodies, poses[step]);

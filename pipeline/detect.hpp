@@ -18,6 +18,8 @@ void refuse_unfit(const geometry::Bodies& bodies, const std::vector<AlgorithmCho
 ///
 /// Per step and algorithm one pass counts operations, untimed; then `repeats` passes are timed by a monotonic clock
 /// around prepare and answer, memory being reserved before. The order of the algorithms is reversed at every other step.
+/// What an algorithm remembers of the steps before is the same in all passes of a step, and is emptied before every
+/// chunk of kChunkSteps, so that repeating and resuming change nothing.
 /// Chunks that `part` holds are taken from it; `part` may be null.
 std::vector<Answers> detect(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
                             const Truth& truth, const std::vector<AlgorithmChoice>& choices, std::int64_t repeats,

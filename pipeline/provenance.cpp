@@ -56,6 +56,12 @@ std::string libraries_json() {
   return libraries.dump();
 }
 
+/// What changes the processor's frequency; empty where nothing does, or nothing is known of it.
+std::string scaling_governor() {
+  const std::string governor = first_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
+  return governor == "performance" ? "" : governor;
+}
+
 }  // namespace
 
 std::string version_line() { return BUILD_VERSION " (" BUILD_GIT_COMMIT ", " BUILD_TYPE ", " BUILD_COMPILER ")"; }
@@ -76,8 +82,9 @@ Provenance provenance() {
 }
 
 Machine machine() {
+  const std::string governor = scaling_governor();
   return {.host = host(),
-          .processor = processor(),
+          .processor = processor() + (governor.empty() ? "" : ", frequency governor " + governor),
           .build = BUILD_GIT_COMMIT " " BUILD_TYPE " " BUILD_COMPILER,
           .date = now_utc()};
 }
@@ -87,8 +94,7 @@ std::vector<std::string> suspicions() {
 #ifndef NDEBUG
   lines.push_back("this is a debug build: times mean nothing");
 #endif
-  const std::string governor = first_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
-  if (!governor.empty() && governor != "performance")
+  if (const std::string governor = scaling_governor(); !governor.empty())
     lines.push_back("the processor changes its frequency (governor '" + governor + "'): times are less certain");
   for (const auto& [name, version] : simulation_libraries())
     if (version.find("openblas") != std::string::npos)

@@ -35,7 +35,7 @@ enum class Containment { ignore, record, meet };
 
 /// The machine and build that timed something.
 struct Machine {
-  std::string host, processor, build, date;
+  std::string host, processor, build, date;  // processor: and what changes its frequency, if something does
 };
 
 /// What one algorithm said: a group of /answers and a column of /results.

@@ -172,14 +172,15 @@ Result run(const Config& config, const RunOptions& options) {
 }
 
 Result detect_again(const fs::path& file, const std::vector<std::string>& arguments, const RunOptions& options) {
-  std::vector<AlgorithmChoice> choices;
-  for (const std::string& argument : arguments) choices.push_back(parse_algorithm(argument));
+  for (const std::string& argument : arguments) parse_algorithm(argument);  // mistakes are said before the file is read
   std::error_code missing;
   const fs::path real = fs::canonical(file, missing);  // a link stays one
   if (missing) read_result(file);                      // throws what is wrong
   Target target(real, true);
   Result result = read_result(real);
   const Config config = parse_config(result.config_effective, file.string() + ":/config@effective");
+  std::vector<AlgorithmChoice> choices;
+  for (const std::string& argument : arguments) choices.push_back(parse_algorithm(argument, config.containment));
   if (choices.empty()) choices = config.algorithms;
 
   const auto index_of = [&](const std::string& label) {

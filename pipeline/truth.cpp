@@ -71,15 +71,21 @@ TruthChunk decide_chunk(geometry::Decision& decision, geometry::GapSearch* searc
   using Clock = std::chrono::steady_clock;
   TruthChunk chunk;
   if (search) chunk.gaps.emplace();
-  std::vector<Pair> contained;
+  std::vector<Pair> hits, contained;
+  decision.forget();  // the chunk decided before need not be the one before in time
   for (const auto& step : poses) {
     stop_if_wanted();
     const auto start = Clock::now();
     const std::vector<geometry::PairRun> runs = geometry::pair_runs(bodies, step);
-    chunk.hits.append(decision.hits(step, runs, wants_contained ? &contained : nullptr));
+    hits.clear();
+    contained.clear();
+    decision.prepare(step);
+    decision.hits(runs, hits, wants_contained ? &contained : nullptr);
+    decision.remember();
+    chunk.hits.append(hits);
     if (wants_contained) chunk.contained.append(contained);
     chunk.time_ns.push_back(std::chrono::nanoseconds(Clock::now() - start).count());
-    if (search) append(search->near(step, runs, gap_margin, chunk.hits.at(chunk.hits.steps() - 1)), *chunk.gaps);
+    if (search) append(search->near(step, runs, gap_margin, hits), *chunk.gaps);
     progress.add(1);
   }
   return chunk;

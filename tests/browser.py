@@ -41,8 +41,9 @@ def open_page(path, screenshot=None, **options):
 
 
 @contextlib.contextmanager
-def browsing(path, width=1200, height=900, scale=1, phone=False, timeout=60):
-    """The file at `path` as an open Page of `width` by `height` CSS pixels; TimeoutError after `timeout` seconds."""
+def browsing(path, width=1200, height=900, scale=1, phone=False, timeout=240):
+    """The file at `path` as an open Page of `width` by `height` CSS pixels; TimeoutError after `timeout` seconds,
+    which only a browser that hangs needs."""
     program = next((found for found in map(shutil.which, PROGRAMS) if found), None)
     if not program:
         raise FileNotFoundError(f"none of {', '.join(PROGRAMS)} is installed; scripts/setup installs the first")
@@ -65,7 +66,6 @@ def browsing(path, width=1200, height=900, scale=1, phone=False, timeout=60):
             page._open(pathlib.Path(path).resolve().as_uri(), width, height, scale, phone)
             yield page
             page._call("Browser.close", session=False)
-            process.wait(10)
         finally:
             process.kill()
             process.wait()

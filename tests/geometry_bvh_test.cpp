@@ -1,3 +1,4 @@
+#include <CGAL/Mpzf.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -137,5 +138,48 @@ TEST(Bvh, RefittedBoxesAreTheLeastAndGreatestDoublesOfTheirFacets) {
 
 // About 0.8 s for two million; a quarter of that many here.
 TEST(Bvh, HoldsHalfAMillionFacets) { expect_whole(sphere("s", 1, 350), 60); }
+
+// Every vertex of every node, in exact arithmetic: |v - centre| <= half and |normal . v - middle| <= thickness, but for
+// the rounding of the dot product that geometry/frames.cpp allows for.
+TEST(Bvh, BoundsHoldTheVerticesOfTheirNodes) {
+  using Exact = CGAL::Mpzf;
+  for (const Mesh& mesh : {soup(100, 3), sphere("s", 2, 4), copies_of_one_facet(9), box("b", Vec3(1e-9, 1, 1e6))}) {
+    const Bvh bvh = build_bvh(mesh);
+    double reach = 0;
+    for (const Vec3& v : mesh.vertices) reach = std::max(reach, v.norm());
+    ASSERT_EQ(bvh.bounds.size(), bvh.nodes.size());
+    for (std::uint32_t i = 0; i < bvh.nodes.size(); ++i) {
+      const Bvh::Bound& bound = bvh.bounds[i];
+      std::vector<std::uint32_t> facets;
+      collect(bvh, i, facets);
+      EXPECT_LE(Eigen::Map<const Eigen::Vector3f>(bound.normal).cast<double>().norm(), 1 + 0x1p-22);
+      for (const std::uint32_t f : facets)
+        for (const std::uint32_t v : mesh.triangles[f]) {
+          Exact along = 0;
+          for (int k = 0; k < 3; ++k) {
+            const Exact x = mesh.vertices[v][k];
+            EXPECT_LE(CGAL::abs(x - Exact(double{bound.centre[k]})), Exact(double{bound.half[k]}));
+            along = along + Exact(double{bound.normal[k]}) * x;
+          }
+          EXPECT_LE(CGAL::abs(along - Exact(double{bound.middle})),
+                    Exact(double{bound.thickness}) + Exact(4 * 0x1p-53 * reach));
+        }
+    }
+  }
+}
+
+// All bodies of a shape share these; what a body of its own takes is its placement and box.
+TEST(Bvh, TakesUnder200BytesATriangleWithItsMesh) {
+  for (const Mesh& mesh : {sphere("s", 1, 16), sphere("s", 1, 64), soup(5000, 4)}) {
+    const Bvh bvh = build_bvh(mesh);
+    const auto bytes = [](const auto& column) { return column.capacity() * sizeof column[0]; };
+    const std::size_t mesh_bytes = bytes(mesh.vertices) + bytes(mesh.triangles);
+    const std::size_t sum = mesh_bytes + bytes(bvh.nodes) + bytes(bvh.bounds) + bytes(bvh.order);
+    const double each = static_cast<double>(sum) / static_cast<double>(mesh.triangles.size());
+    RecordProperty(mesh.name + std::to_string(mesh.triangles.size()), std::to_string(each));
+    EXPECT_LT(each, 200);
+    EXPECT_GT(each, 40) << "a triangle, its part of the vertices and its place in the order alone take this";
+  }
+}
 
 }  // namespace

@@ -5,12 +5,14 @@
 #include <cfloat>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <string>
 
 #include "geometry/meet.hpp"
 #include "geometry/portable_math.hpp"
 #include "geometry/shapes.hpp"
+#include "tests/adversary.hpp"
 #include "tests/oracle.hpp"
 
 namespace {
@@ -237,6 +239,77 @@ TEST(Decision, DoesNotDependOnWhatWasAskedBefore) {
   }
 }
 
+std::vector<Pair> hits_now(Decision& decision, const Scene& scene, const std::vector<Pose>& poses) {
+  std::vector<Pair> out;
+  decision.prepare(poses);
+  decision.hits(scene.runs(), out);
+  return out;
+}
+
+// In time, backwards, shuffled, after quite another place, and with the memory emptied now and then.
+TEST(Decision, NeverDependsOnItsMemory) {
+  Random random;
+  Scene scene({sphere("ball", 1, 4), ring(8), two_boxes(), soup(30)});
+  for (std::uint32_t i = 0; i < 40; ++i) scene.add(i % 4, {random.turn(), 3 * random.point()});
+  std::vector<std::vector<Pose>> steps{scene.poses};
+  while (steps.size() < 30) {
+    steps.push_back(steps.back());
+    for (Pose& pose : steps.back()) {
+      pose.q = normalised(pose.q * normalised({30, random.real(), random.real(), random.real()}));
+      pose.t += 0.05 * random.point();
+    }
+  }
+  std::vector<std::vector<Pair>> expected;
+  for (const auto& poses : steps) {
+    Decision fresh(scene.bodies, scene.bvhs);
+    expected.push_back(hits_now(fresh, scene, poses));
+  }
+  ASSERT_NE(expected.front(), expected.back());
+
+  std::vector<std::size_t> order(steps.size());
+  std::iota(order.begin(), order.end(), 0u);
+  Decision decision(scene.bodies, scene.bvhs);
+  for (int round = 0; round < 5; ++round) {
+    if (round == 1) std::ranges::reverse(order);
+    if (round > 1) std::ranges::shuffle(order, random.bits);
+    for (const std::size_t step : order) {
+      if (round == 4 && random.below(3) == 0) decision.forget();
+      ASSERT_EQ(hits_now(decision, scene, steps[step]), expected[step]) << "round " << round << ", step " << step;
+      if (round != 3 || random.below(2)) decision.remember();
+    }
+  }
+}
+
+// Without remember() the memory stays what it was: this is what makes repeated timings fair.
+TEST(Decision, AskedTwiceDoesTheSameWorkAndRememberingSavesSome) {
+  Random random;
+  Scene scene({sphere("ball", 1, 6)});
+  for (std::uint32_t i = 0; i < 27; ++i) scene.add(0, {random.turn(), 1.95 * Vec3(i % 3, i / 3 % 3, i / 9)});
+  Decision decision(scene.bodies, scene.bvhs);
+  const auto first = hits_now(decision, scene, scene.poses);
+  const auto cold = decision.operations();
+  EXPECT_EQ(hits_now(decision, scene, scene.poses), first);
+  EXPECT_EQ(decision.operations(), cold);
+  decision.remember();
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(hits_now(decision, scene, scene.poses), first);
+    EXPECT_LT(decision.operations(), cold / 2);
+  }
+  decision.forget();
+  EXPECT_EQ(hits_now(decision, scene, scene.poses), first);
+  EXPECT_EQ(decision.operations(), cold);
+}
+
+TEST(Decision, AppendsToWhatIsThere) {
+  Scene scene({tetrahedron()});
+  scene.add(0, {}).add(0, {});
+  Decision decision(scene.bodies, scene.bvhs);
+  std::vector<Pair> out{{7, 8}};
+  decision.prepare(scene.poses);
+  decision.hits(scene.runs(), out);
+  EXPECT_EQ(out, (std::vector<Pair>{{7, 8}, {0, 1}}));
+}
+
 // Numbering the bodies the other way round swaps a and b in every pair.
 TEST(Decision, IsSymmetric) {
   Random random;
@@ -303,6 +376,45 @@ TEST(DecisionOracle, GrazingWithinUlps) {
     for (int k = -3; k <= 3; ++k, x = std::nextafter(x, DBL_MAX)) expect_truth(scene, tally);
   }
   EXPECT_GT(tally.meeting + tally.apart, 1500u);
+}
+
+// Meshes of every size, slivers and points, turned by quaternions as far from unit as may be, up to 1e12 sizes away; at
+// random and bisected to the last pose in contact.
+TEST(DecisionOracle, AdversarialMeshesAtAdversarialPoses) {
+  adversary::Random random;
+  Tally tally;
+  for (int i = 0; i < 700; ++i) {
+    const Mesh mesh = adversary::mesh(random);
+    Mesh other = adversary::mesh(random);
+    const double size = enclosure(mesh).radius, ratio = size / enclosure(other).radius;
+    if (ratio > 1e-250 && ratio < 1e250 && random.below(4)) other = scaled(other, ratio);
+    Scene scene({mesh, other});
+    const Pose pose = adversary::pose(random, size);
+    scene.add(0, pose).add(1, {adversary::quaternion(random), pose.t});
+    // One vertex of each in one place, nearly; then along x until they part.
+    const Vec3 from = oracle::world_vertex(scene.poses[0], mesh.vertices[random.below(18)]);
+    const Vec3 to = oracle::world_vertex(scene.poses[1], other.vertices[random.below(18)]);
+    scene.poses[1].t += from - to;
+    if (!scene.poses[1].t.allFinite()) continue;
+    Decision decision(scene.bodies, scene.bvhs);
+    double& x = scene.poses[1].t.x();
+    const double start = x;
+    double meets = x, apart = x + 8 * size;
+    if (!decision.meet(scene.poses, {0, 1}) || apart == meets) {
+      expect_truth(scene, tally);
+      continue;
+    }
+    while (true) {
+      x = meets + 0.5 * (apart - meets);
+      if (x == meets || x == apart) break;
+      (decision.meet(scene.poses, {0, 1}) ? meets : apart) = x;
+    }
+    for (const double at : {start, std::nextafter(meets, -DBL_MAX), meets, std::nextafter(meets, DBL_MAX)}) {
+      x = at;
+      expect_truth(scene, tally);
+    }
+  }
+  EXPECT_GT(tally.meeting + tally.apart, 1000u);
 }
 
 // Equal turned boxes one behind the other: the line of centres is the normal of the faces in contact, so that the slab

@@ -457,6 +457,24 @@ TEST(ParseAlgorithm, TakesNameKnobsAndLabel) {
   EXPECT_EQ(c.knobs.size(), algorithms::find("facet_triangles")->knobs.size());
 }
 
+// An exact method is judged on the truth that scores: without a word of its own it answers for that truth.
+TEST(Containment, OfAnExactMethodFollowsTheTruthUnlessGiven) {
+  const auto wanted = [](const AlgorithmChoice& choice) { return std::get<bool>(choice.knobs.at("containment")); };
+  for (const char* truth : {"ignore", "record", "meet"}) {
+    SCOPED_TRACE(truth);
+    const Config c = with({"truth.containment=" + std::string(truth),
+                           "algorithm=[{name='exact'}, {name='exact_cold', containment=true}, {name='exact', "
+                           "containment=false, label='surface'}]"});
+    EXPECT_EQ(wanted(c.algorithms[0]), c.containment == Containment::meet);
+    EXPECT_TRUE(wanted(c.algorithms[1]));
+    EXPECT_FALSE(wanted(c.algorithms[2]));
+    expect_idempotent(c);
+  }
+  EXPECT_FALSE(wanted(parse_algorithm("exact")));
+  EXPECT_TRUE(wanted(parse_algorithm("exact", Containment::meet)));
+  EXPECT_FALSE(wanted(parse_algorithm("exact:containment=false", Containment::meet)));
+}
+
 TEST(ParseAlgorithm, NamesItselfInErrors) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"", "3 --algorithm : 'name' must be the name of an algorithm, not \"\"; known: obb_sat"},
@@ -513,7 +531,7 @@ TEST(Configs, PadaniIsTheDefaults) {
 }
 
 // As above; what is asked of each scene differs in the algorithms.
-TEST(Configs, KostkaIsTheDefaultsWithTheNineAndCannonsTwo) {
+TEST(Configs, KostkaIsTheDefaultsWithEveryAlgorithmButAabb) {
   Config kostka = read_config(configs() / "kostka.toml");
   std::vector<std::string> names;
   for (const AlgorithmChoice& choice : kostka.algorithms) {
@@ -525,7 +543,7 @@ TEST(Configs, KostkaIsTheDefaultsWithTheNineAndCannonsTwo) {
   for (const auto& row : algorithms::all())
     if (row.name != "aabb") expected.push_back(row.name);
   EXPECT_EQ(names, expected);
-  EXPECT_EQ(names.size(), 11u);
+  EXPECT_EQ(names.size(), 14u);
 
   Config defaults = parse_config("[scene]\nkind = \"box\"\n", "f.toml", {"title=Spheres in a cube"});
   kostka.algorithms.clear();

@@ -1,8 +1,7 @@
-#include "pipeline/detect.hpp"
-
 #include <gtest/gtest.h>
 
 #include "geometry/shapes.hpp"
+#include "pipeline/detect.hpp"
 #include "pipeline/truth.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -47,9 +46,9 @@ std::vector<AlgorithmChoice> choices(std::initializer_list<const char*> names) {
 }
 
 std::vector<Answers> detected(const Row& row, const Truth& truth, const std::vector<AlgorithmChoice>& algorithms,
-                              const Part* part = nullptr) {
+                              const Part* part = nullptr, std::int64_t repeats = 2) {
   Progress quiet("detect", row.poses.size(), true);
-  return detect(row.bodies, row.poses, truth, algorithms, 2, {}, part, quiet);
+  return detect(row.bodies, row.poses, truth, algorithms, repeats, {}, part, quiet);
 }
 
 }  // namespace
@@ -58,9 +57,7 @@ TEST(Truth, FollowsASphereFromOneNeighbourToTheOther) {
   const Row row(13);
   const Truth truth = row.truth();
   ASSERT_EQ(truth.hits.steps(), 13u);
-  const auto at = [&](std::size_t s) {
-    return std::vector<Pair>(truth.hits.at(s).begin(), truth.hits.at(s).end());
-  };
+  const auto at = [&](std::size_t s) { return std::vector<Pair>(truth.hits.at(s).begin(), truth.hits.at(s).end()); };
   EXPECT_EQ(at(0), (std::vector<Pair>{{0, 1}}));
   EXPECT_TRUE(at(6).empty());
   EXPECT_EQ(at(12), (std::vector<Pair>{{1, 2}}));
@@ -149,20 +146,46 @@ TEST(Detect, ScoresEveryStepAgainstTheTruth) {
 TEST(Detect, TakesChunksFromThePartAndGoesOnAfterThem) {
   const Row row(120);
   const Truth truth = row.truth();
-  const auto algorithms = choices({"bounding_sphere", "obb_sat"});
+  const auto algorithms = choices({"bounding_sphere", "obb_sat", "exact"});  // the last one remembers
   const std::vector<Answers> whole = detected(row, truth, algorithms);
   const TemporaryFolder folder;
   Part part(folder / "p", {}, "", 120, false);
   const std::vector<Answers> first = detected(row, truth, algorithms, &part);
   std::filesystem::remove(folder / ("p/" + chunk_name("answers", 50)));
   const std::vector<Answers> again = detected(row, truth, algorithms, &part);
-  for (std::size_t a = 0; a < 2; ++a) {
+  for (std::size_t a = 0; a < algorithms.size(); ++a) {
     EXPECT_EQ(again[a].hits.pair, whole[a].hits.pair);
     EXPECT_EQ(again[a].hits.offset, whole[a].hits.offset);
     EXPECT_EQ(again[a].operations, whole[a].operations);
     ASSERT_EQ(again[a].time_ns.size(), 120u);
     EXPECT_EQ(again[a].time_ns[0], first[a].time_ns[0]);
     EXPECT_EQ(again[a].time_ns[119], first[a].time_ns[119]);
+  }
+}
+
+TEST(Detect, MemoriesAreEmptyAtEveryChunkAndOnlyThere) {
+  const Row row(120);
+  const std::vector<Answers> all = detected(row, row.truth(), choices({"exact", "exact_cold"}));
+  const std::vector<std::uint64_t>&warm = all[0].operations, &cold = all[1].operations;
+  EXPECT_EQ(all[0].hits.pair, all[1].hits.pair);
+  std::size_t cheaper = 0;
+  for (std::size_t s = 0; s < 120; ++s) {
+    if (s % kChunkSteps == 0) {
+      EXPECT_EQ(warm[s], cold[s]) << s;
+    }
+    cheaper += warm[s] < cold[s];
+  }
+  EXPECT_GT(cheaper, 0u);
+}
+
+TEST(Detect, RepeatingChangesNothingThatIsRemembered) {
+  const Row row(60);
+  const Truth truth = row.truth();
+  const std::vector<Answers> once = detected(row, truth, choices({"exact", "obb_sat"}), nullptr, 1);
+  const std::vector<Answers> often = detected(row, truth, choices({"exact", "obb_sat"}), nullptr, 5);
+  for (std::size_t a = 0; a < 2; ++a) {
+    EXPECT_EQ(often[a].operations, once[a].operations);
+    EXPECT_EQ(often[a].hits.pair, once[a].hits.pair);
   }
 }
 

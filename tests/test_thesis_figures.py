@@ -205,12 +205,15 @@ def test_of_many_labels_the_published_ones_are_drawn_first():
     assert len(figure.table) == 20 and "Of 20 labels 12 are drawn" in figure.caption
 
 
-def test_different_machines_are_said_in_the_caption():
-    run = made({"obb_sat": [1, 2], "bounding_sphere": [1, 2]})
-    assert "DIFFERENT" not in step_figures.time_per_step(run, "box", "k").caption
-    run.meta["answers"]["obb_sat"]["processor"] = "another"
-    caption = step_figures.time_per_step(run, "box", "k").caption
-    assert "TIMED ON DIFFERENT MACHINES OR BUILDS" in caption and "another on h" in caption
+def test_times_of_another_machine_are_not_drawn_and_that_is_said():
+    run = made({"obb_sat": [1, 2], "bounding_sphere": [1, 2], "rotated_aabb": [90, 90], "cannon_sap": [1, 1]})
+    assert "NOT DRAWN" not in step_figures.time_per_step(run, "box", "k").caption
+    run.meta["answers"]["rotated_aabb"]["processor"] = "another"
+    figure = step_figures.time_per_step(run, "box", "k")
+    assert "NOT DRAWN, FOR TIMED ON ANOTHER MACHINE OR BUILD: rotated_aabb." in figure.caption
+    assert "rotated_aabb" not in words(figure) and "rotated_aabb" not in figure.title
+    assert "rotated_aabb" not in thesis_tables.means_table(run, "box").index
+    assert "rotated_aabb" in words(step_figures.hits_per_step(run, "box", "k"))
 
 
 # Collision and physics.
