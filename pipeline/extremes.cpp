@@ -103,7 +103,8 @@ Failed answer(const Stretch& range, const CaseSet& set, const AlgorithmChoice& c
       said.moved.push_back(reports(*method, poses));
     }
     method.reset();
-    method = row.make(two_of(range.bodies, 1, 0), choice.knobs);
+    const Bodies other_order = two_of(range.bodies, 1, 0);  // a method may keep a reference to its bodies
+    method = row.make(other_order, choice.knobs);
     for (const auto& poses : range.poses) said.swapped.push_back(reports(*method, {poses[1], poses[0]}));
     method.reset();
     Progress silent("", 0, true);
