@@ -13,6 +13,7 @@
 #include "geometry/meet.hpp"
 #include "geometry/shapes.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/progress.hpp"
 #include "pipeline/random.hpp"
 #include "pipeline/scene.hpp"
 
@@ -324,6 +325,7 @@ Scene make(const Config& config) {
   for_each_set(extremes, all, [&](std::uint64_t number, const PairKind& kind, const Place& place) {
     const std::int64_t left = config.steps - std::int64_t(scene.script.size());
     if (left <= 0) return;
+    stop_if_wanted();
     CaseSet set{.first_step = std::int64_t(scene.script.size()),
                 .steps = std::min(left, std::int64_t(place.gaps.size())),
                 .a = table.find_or_add('a', kind.a, place.scale),
