@@ -225,6 +225,38 @@ class Run:
             table[name] = values.ravel() if values.ndim == 2 else np.repeat(values, len(labels))
         return pd.DataFrame(table)
 
+    @cached_property
+    def extremes(self):
+        """One row per case and algorithm (S x A rows, step by step); None when the scene is not one of extremes.
+
+        Columns: step, algorithm (categorical), pair (of shapes), gap_class, gap (m, negative beyond touching),
+        gap_ulps, ulp (m), scale, offset (m), orientation_stream; truth, truth_moved, near_touching, reported, swapped,
+        moved (bool: as in the file), failed (bool), refused (bool: it failed because it refused the bodies).
+        """
+        columns = self._columns("extremes")
+        if not columns:
+            return None
+        steps, labels = self.meta["steps"], self.meta["algorithms"]
+        columns.pop("failure", None)
+        table = {
+            "step": np.repeat(np.arange(steps), len(labels)),
+            "algorithm": pd.Categorical.from_codes(np.tile(np.arange(len(labels)), steps), labels),
+        }
+        for name, values in columns.items():
+            if values.dtype == object:
+                values = np.array([text.decode() for text in values], dtype=object)
+            table[name] = values.ravel() if values.ndim == 2 else np.repeat(values, len(labels))
+        table = pd.DataFrame(table)
+        table["refused"] = table["failed"] == 1
+        flags = ["truth", "truth_moved", "near_touching", "reported", "swapped", "moved", "failed"]
+        return table.astype(dict.fromkeys(flags, bool))
+
+    @cached_property
+    def failures(self):
+        """Per algorithm what it said when it first failed at a case of extremes, "" when it never did; else None."""
+        with h5py.File(self.path) as file:
+            return list(file["extremes/failure"].asstr()[()]) if "extremes/failure" in file else None
+
     def _columns(self, group):
         """name -> values of a group's columns, its dimensions left out; empty when there is no such group."""
         with h5py.File(self.path) as file:

@@ -104,6 +104,14 @@ struct ReplayScene {
   std::shared_ptr<const ReplayInputs> inputs;  // read_config fills it
 };
 
+/// kind = "extremes": pairs around exact touching, at every scale and offset that go together.
+struct ExtremesScene {
+  std::vector<std::string> pairs;                                  // names; all there are
+  std::vector<double> scales{1e-9, 1e-6, 1e-3, 1, 1e3, 1e6, 1e9};  // m, half the extent of a body, about
+  std::vector<double> offsets{0, 1e3, 1e6, 1e9};                   // m, of each coordinate
+  std::int64_t orientations = 1;                                   // random ones of each pair, scale and offset
+};
+
 /// The physical radius of a contact sphere: the shape's, or that of the greatest ball inside its mesh.
 enum class ContactRadius { nominal, inscribed };
 
@@ -125,7 +133,7 @@ struct Config {
   std::int64_t steps = 600;                                                  // samples, step 0 included
   double rate = 60;                                                          // samples per second
   const SceneKind* scene_kind = nullptr;                                     // a row of scene_kinds()
-  std::variant<FallingScene, BoxScene, PlaygroundScene, ReplayScene> scene;  // of that kind
+  std::variant<FallingScene, BoxScene, PlaygroundScene, ReplayScene, ExtremesScene> scene;  // of that kind
   Physics physics;                                                           // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;

@@ -363,6 +363,41 @@ Group passes(const Passes& passes, const Sizes& n) {
   return group;
 }
 
+Group extremes(const Extremes& extremes, const Sizes& n) {
+  Group group{"/extremes", {}, {}};
+  auto& datasets = group.datasets;
+  const auto name = [](const auto& column) { return std::string("/extremes/") + column.name; };
+  assert(extremes.rows.size() == n.step.size && "a row for every step");
+  const auto values_of = [&]<typename T>(const Column<ExtremeCase, T>& column) {
+    std::vector<T> values;
+    for (const ExtremeCase& row : extremes.rows) values.push_back(row.*column.member);
+    return values;
+  };
+  const auto add = [&](const auto& columns) {
+    for (const auto& column : columns)
+      datasets.push_back(owning(name(column), values_of(column), {n.step}, column.units, column.long_name));
+  };
+  for (const auto& column : kCaseTexts)
+    datasets.push_back(texts(name(column), values_of(column), {n.step}, column.long_name));
+  add(kCaseReals);
+  add(kCaseIntegers);
+  add(kCaseCounts);
+  add(kCaseFlags);
+  const std::size_t algorithms = extremes.answers.size();
+  if (algorithms == 0) return group;
+  for (const auto& column : kCaseAnswerFlags) {
+    std::vector<std::uint8_t> table(n.step.size * algorithms);
+    for (std::size_t a = 0; a < algorithms; ++a)
+      for (std::size_t s = 0; s < n.step.size; ++s) table[s * algorithms + a] = (extremes.answers[a].*column.member)[s];
+    datasets.push_back(owning(name(column), table, {n.step, n.algorithm}, column.units, column.long_name));
+  }
+  std::vector<std::string> reasons;
+  for (const ExtremeAnswers& answers : extremes.answers) reasons.push_back(answers.reason);
+  datasets.push_back(texts(std::string("/extremes/") + kCaseReason, std::move(reasons), {n.algorithm},
+                           "what the algorithm said when it first failed; empty: it never did"));
+  return group;
+}
+
 Group run(const Provenance& from) {
   return {"/run",
           {{"date", from.date}, {"host", from.host}, {"processor", from.processor}, {"wall_time_s", from.wall_time_s}},
@@ -408,6 +443,7 @@ std::vector<Group> layout(const Result& result) {
     groups.push_back(summary(result, n));
   }
   if (result.passes) groups.push_back(passes(*result.passes, n));
+  if (result.extremes) groups.push_back(extremes(*result.extremes, n));
   groups.push_back(run(result.provenance));
   return groups;
 }

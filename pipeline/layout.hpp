@@ -96,6 +96,32 @@ inline constexpr Column<GapLists, std::vector<double>> kGapReals[] = {
     {"gap_lower", &GapLists::lower, "m", "the distance of the pair's surfaces is at least this, certified"},
     {"gap_upper", &GapLists::upper, "m", "the distance of the pair's surfaces is at most this, certified"}};
 
+inline constexpr Column<ExtremeCase, std::string> kCaseTexts[] = {
+    {"pair", &ExtremeCase::pair, "1", "the two shapes"},
+    {"gap_class", &ExtremeCase::gap_class, "1",
+     "the gap as it was asked for: ulps, or a part of the scale; negative: beyond touching"}};
+inline constexpr Column<ExtremeCase, double> kCaseReals[] = {
+    {"gap", &ExtremeCase::gap, "m", "displacement along the approach from exact touching; positive: apart"},
+    {"ulp", &ExtremeCase::ulp, "m", "spacing of doubles at the greatest coordinate, offset + 8 scale"},
+    {"scale", &ExtremeCase::scale, "m", "size of the bodies: about half their extent"},
+    {"offset", &ExtremeCase::offset, "m", "of each coordinate of the first body"}};
+inline constexpr Column<ExtremeCase, std::int64_t> kCaseIntegers[] = {
+    {"gap_ulps", &ExtremeCase::gap_ulps, "1", "gap in units of ulp"}};
+inline constexpr Column<ExtremeCase, std::uint64_t> kCaseCounts[] = {
+    {"orientation_stream", &ExtremeCase::orientation, "1", "stream of the seed that turned the two and chose the way"}};
+inline constexpr Column<ExtremeCase, std::uint8_t> kCaseFlags[] = {
+    {"truth", &ExtremeCase::truth, "1", "1 when the pair meets, by which answers are scored"},
+    {"truth_moved", &ExtremeCase::truth_moved, "1",
+     "1 when the surfaces meet with both bodies moved by an exactly representable step"},
+    {"near_touching", &ExtremeCase::near_touching, "1",
+     "1 within 1000 ulps of touching, or where the truth changes within 1000 ulps: to be counted apart"}};
+inline constexpr Column<ExtremeAnswers, std::vector<std::uint8_t>> kCaseAnswerFlags[] = {
+    {"reported", &ExtremeAnswers::reported, "1", "1 when the algorithm reported the pair"},
+    {"swapped", &ExtremeAnswers::swapped, "1", "its answer with the two bodies in the other order"},
+    {"moved", &ExtremeAnswers::moved, "1", "its answer with both bodies moved by an exactly representable step"},
+    {"failed", &ExtremeAnswers::failed, "1", "1: it refused the bodies, 2: it threw; then its other flags are 0"}};
+inline constexpr char kCaseReason[] = "failure";
+
 // A column of /results and of /summary, there only with Containment::record.
 inline constexpr char kContainedHit[] = "contained_hit";
 inline constexpr char kContainedHitWhat[] =

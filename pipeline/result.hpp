@@ -101,6 +101,31 @@ struct Passes {
   std::vector<PassAnswers> answers;  // A
 };
 
+/// One step of a scene of extremes: a row of /extremes.
+struct ExtremeCase {
+  std::string pair, gap_class;     // the two shapes; the gap as it was asked for: "+10 ulp", "-1e-3"
+  double gap = 0;                  // m along the approach from exact touching, positive: apart
+  std::int64_t gap_ulps = 0;       // the same in units of `ulp`
+  double ulp = 0;                  // m, the spacing of doubles at the greatest coordinate of the step's bodies
+  double scale = 0, offset = 0;    // m
+  std::uint64_t orientation = 0;   // which stream of the seed turned the two
+  std::uint8_t truth = 0;          // 1: they meet
+  std::uint8_t truth_moved = 0;    // 1: they meet when both are moved by an exactly representable step
+  std::uint8_t near_touching = 0;  // 1: within 1000 ulps of touching, or the truth changes within 1000 ulps
+};
+
+/// What one algorithm said about the cases: a column of /extremes. S flags each.
+struct ExtremeAnswers {
+  std::vector<std::uint8_t> reported, swapped, moved;  // as placed, in the other order, both moved
+  std::vector<std::uint8_t> failed;  // 1: it refused the bodies, 2: it threw at the step; then nothing is reported
+  std::string reason;                // of the first failure
+};
+
+struct Extremes {
+  std::vector<ExtremeCase> rows;        // S
+  std::vector<ExtremeAnswers> answers;  // A
+};
+
 struct PhysicsRows {
   std::vector<PhysicsSample> rows;  // S
   std::string status;               // "complete", or "failed at step K: why"
@@ -125,9 +150,10 @@ struct Result {
   std::vector<std::vector<geometry::Pose>> motion;  // S x B
   std::optional<PhysicsRows> physics;               // only when integrated
   Truth truth;
-  std::vector<Answers> answers;  // A
-  std::vector<Summary> summary;  // A
-  std::optional<Passes> passes;  // only of scenes that have some
+  std::vector<Answers> answers;      // A
+  std::vector<Summary> summary;      // A
+  std::optional<Passes> passes;      // only of scenes that have some
+  std::optional<Extremes> extremes;  // only of scenes of extremes
   Provenance provenance;
   std::string digest;  // of the root; filled in by write and read
 

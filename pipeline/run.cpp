@@ -8,6 +8,7 @@
 
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/extremes.hpp"
 #include "pipeline/motion.hpp"
 #include "pipeline/part.hpp"
 #include "pipeline/passes.hpp"
@@ -49,9 +50,15 @@ Plan plan(const Config& config) {
   Plan plan{.bodies = size.bodies, .meshes = size.meshes, .triangles = size.mesh_triangles};
   plan.pairs = size.pairs.value_or(size.bodies * (size.bodies - 1) / 2);
   plan.passes = size.passes;
+  plan.case_sets = size.case_sets;
   const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
   const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
   plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);
+  if (plan.case_sets > 0) {  // two bodies a step make lists; of the others there are only poses
+    constexpr std::uint64_t kPose = 7 * 8, kRow = 80, kFlags = 5;
+    plan.file_bytes =
+        estimated_bytes(steps, 2, algorithms, mesh_bytes) + steps * (size.bodies * kPose + kRow + kFlags * algorithms);
+  }
   // Gaps: about as many pairs as an algorithm reports, each with two reals; and their own placed bodies.
   const std::uint64_t gaps = config.gap_margin ? 1 : 0;
   plan.file_bytes += gaps * steps * (4 * size.bodies * 24 + 8);
@@ -59,6 +66,7 @@ Plan plan(const Config& config) {
   // boxes (about 48 bytes a triangle) of every body; hierarchies and sampled facets (about 200 bytes a triangle of a
   // mesh).
   plan.memory_bytes = 2 * plan.file_bytes + (1 + gaps) * (24 + 2 * 48) * size.body_vertices + 200 * size.mesh_triangles;
+  if (plan.case_sets > 0) plan.memory_bytes += plan.file_bytes;  // nearly all is motion, there once more for a moment
   return plan;
 }
 
@@ -82,7 +90,7 @@ Result run(const Config& config, const RunOptions& options) {
   refuse_if_too_large(plan(config), output);
 
   Scene scene = config.scene_kind->make(config);
-  refuse_unfit(scene.bodies, config.algorithms);
+  if (scene.case_sets.empty()) refuse_unfit(scene.bodies, config.algorithms);  // of extremes a refusal is an answer
 
   const std::string inputs = nlohmann::json(config.inputs).dump();
   Provenance from = provenance();
@@ -118,7 +126,19 @@ Result run(const Config& config, const RunOptions& options) {
     Progress progress("truth", steps, options.quiet);
     result.truth = decide(scene.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);
   }
-  {
+  if (!scene.case_sets.empty()) {
+    result.extremes.emplace();
+    {
+      Progress progress("cases", steps, options.quiet);
+      result.extremes->rows =
+          extreme_rows(scene.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
+    }
+    Progress progress("detect", steps, options.quiet);
+    ExtremesDetected found = detect_extremes(scene.bodies, result.motion, result.truth, scene.case_sets,
+                                             config.algorithms, config.repeats, machine(), &part, progress);
+    result.answers = std::move(found.answers);
+    result.extremes->answers = std::move(found.cases);
+  } else {
     Progress progress("detect", steps, options.quiet);
     result.answers = detect(scene.bodies, result.motion, result.truth, config.algorithms, config.repeats, machine(),
                             &part, progress);
@@ -177,9 +197,19 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
         throw Error(kInput, "--algorithm: the label '" + label + "' is given twice; name another with @LABEL");
   }
 
-  refuse_unfit(result.bodies, choices);
   std::vector<Answers> fresh;
-  {
+  std::vector<ExtremeAnswers> fresh_cases;
+  if (result.extremes) {
+    const std::vector<CaseSet> sets = config.scene_kind->make(config).case_sets;
+    if (sets.empty() || std::size_t(sets.back().first_step + sets.back().steps) != result.steps())
+      throw Error(kFile, file.string() + ": its cases are not those of its configuration; run again with --force");
+    Progress progress("detect", result.steps(), options.quiet);
+    ExtremesDetected found = detect_extremes(result.bodies, result.motion, result.truth, sets, choices, config.repeats,
+                                             machine(), nullptr, progress);
+    fresh = std::move(found.answers);
+    fresh_cases = std::move(found.cases);
+  } else {
+    refuse_unfit(result.bodies, choices);
     Progress progress("detect", result.steps(), options.quiet);
     fresh = detect(result.bodies, result.motion, result.truth, choices, config.repeats, machine(), nullptr, progress);
   }
@@ -202,8 +232,10 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
       result.answers.emplace_back();
       result.summary.emplace_back();
       if (result.passes) result.passes->answers.emplace_back();
+      if (result.extremes) result.extremes->answers.emplace_back();
     }
     if (result.passes) result.passes->answers[at] = std::move(fresh_passes[i]);
+    if (result.extremes) result.extremes->answers[at] = std::move(fresh_cases[i]);
     result.summary[at] = summarise(answers, pairs);
     result.answers[at] = std::move(answers);
   }

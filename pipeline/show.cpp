@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/extremes.hpp"
 #include "pipeline/passes.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/store.hpp"
@@ -174,6 +175,73 @@ Json passes_json(const Result& result) {
   return json;
 }
 
+/// The different values of a column, ascending.
+std::vector<double> distinct(const Extremes& extremes, double ExtremeCase::*column) {
+  std::vector<double> out;
+  for (const ExtremeCase& row : extremes.rows) out.push_back(row.*column);
+  std::ranges::sort(out);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+/// How often algorithms err near touching and clear of it, by scale and by offset, and how often they contradict
+/// themselves.
+std::string extremes_text(const Result& result) {
+  const Extremes& extremes = *result.extremes;
+  std::vector<std::vector<std::string>> rows = {
+      {"cases", "error clear", "error near", "failed", "swap changes", "move changes"}};
+  std::vector<std::vector<std::string>> places = {{"error clear of touching"}};
+  const std::vector<double> scales = distinct(extremes, &ExtremeCase::scale),
+                            offsets = distinct(extremes, &ExtremeCase::offset);
+  for (const double scale : scales) places[0].push_back(print("scale %g", scale));
+  for (const double offset : offsets) places[0].push_back(print("offset %g", offset));
+  for (std::size_t a = 0; a < result.answers.size(); ++a) {
+    const auto error = [&](auto chosen) { return share_text(count(extremes, a, chosen).error()); };
+    const auto clear = [](const ExtremeCase& row) { return !row.near_touching; };
+    const ExtremesInstability unsure = instability(extremes, a);
+    rows.push_back({result.answers[a].label, error(clear),
+                    error([](const ExtremeCase& row) { return row.near_touching; }),
+                    std::to_string(count(extremes, a, [](const ExtremeCase&) { return true; }).failed),
+                    std::to_string(unsure.swapped), std::to_string(unsure.moved)});
+    places.push_back({result.answers[a].label});
+    for (const double scale : scales)
+      places.back().push_back(error([&](const ExtremeCase& row) { return clear(row) && row.scale == scale; }));
+    for (const double offset : offsets)
+      places.back().push_back(error([&](const ExtremeCase& row) { return clear(row) && row.offset == offset; }));
+  }
+  const auto near = std::ranges::count_if(extremes.rows, [](const ExtremeCase& row) { return row.near_touching; });
+  std::string text =
+      aligned(rows) +
+      print(
+          "\nof %zu cases %td are near touching: the truth changes within %lld ulps; failed: refused the bodies or "
+          "threw, no part of these errors\n\n",
+          extremes.rows.size(), near, static_cast<long long>(kNearUlps)) +
+      aligned(places) + "\n";
+  for (std::size_t a = 0; a < result.answers.size(); ++a)
+    if (!extremes.answers[a].reason.empty())
+      text += result.answers[a].label + " failed first: " + one_line(extremes.answers[a].reason, 200) + "\n";
+  return text + "\n";
+}
+
+Json extremes_json(const Result& result) {
+  const Extremes& extremes = *result.extremes;
+  Json json = Json::array();
+  for (std::size_t a = 0; a < result.answers.size(); ++a)
+    for (const bool near : {false, true}) {
+      const ExtremesCount row =
+          count(extremes, a, [&](const ExtremeCase& row) { return bool(row.near_touching) == near; });
+      json.push_back({{"algorithm", result.answers[a].label},
+                      {"near_touching", near},
+                      {"cases", row.cases},
+                      {"true_positive", row.true_positive},
+                      {"false_positive", row.false_positive},
+                      {"false_negative", row.false_negative},
+                      {"failed", row.failed},
+                      {"error", row.error()}});
+    }
+  return json;
+}
+
 }  // namespace
 
 std::string result_text(const Result& result) {
@@ -211,6 +279,7 @@ std::string result_text(const Result& result) {
       "per step\n\n";
 
   if (result.passes && !result.answers.empty()) text += passes_text(result);
+  if (result.extremes && !result.answers.empty()) text += extremes_text(result);
 
   text += "made by   " + from.creator + ", commit " + from.git_commit + ", " + from.build_type + ", " + from.compiler +
           "\n";
@@ -267,6 +336,7 @@ std::string result_json(const Result& result, const std::string& path) {
     if (row.contained_hit) json["algorithms"].back()["contained_hit"] = *row.contained_hit;
   }
   if (result.passes) json["passes"] = passes_json(result);
+  if (result.extremes) json["extremes"] = extremes_json(result);
   json["provenance"] = {{"creator", from.creator},
                         {"git_commit", from.git_commit},
                         {"build_type", from.build_type},
@@ -323,6 +393,9 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
   if (plan.passes > 0)
     text += print("passes      %llu, early or late found by bisection: truth to %g m, algorithms to %g m\n",
                   static_cast<unsigned long long>(plan.passes), kTruthTolerance, kAlgorithmTolerance);
+  if (plan.case_sets > 0)
+    text += print("cases       %llu sets of gaps, each answered as two bodies alone, in both orders and moved\n",
+                  static_cast<unsigned long long>(plan.case_sets));
   text += "truth       exact, by surface; ";
   switch (config.containment) {
     case Containment::ignore:
@@ -364,6 +437,7 @@ std::string plan_json(const Config& config, const Plan& plan, const std::string&
                {"repeats", config.repeats},     {"output", output},
                {"file_bytes", plan.file_bytes}, {"memory_bytes", plan.memory_bytes}};
   if (plan.passes > 0) json["passes"] = plan.passes;
+  if (plan.case_sets > 0) json["case_sets"] = plan.case_sets;
   json["containment"] = text_of(config.containment);
   if (config.gap_margin) json["gap_margin"] = *config.gap_margin;
   json["inputs_sha256"] = config.inputs;
