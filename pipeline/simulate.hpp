@@ -139,7 +139,8 @@ class Simulation {
 
   /// Integrates to Physics::final_time, where the last internal step ends exactly. At most `evaluations` of the force.
   /// Energy and momentum are looked at after internal steps, at most `looks` times. For an object that has not been
-  /// advanced before. Never throws for what the integrator does; physics.time_budget holds.
+  /// advanced before. Never throws for what the integrator does; physics.time_budget is of processor
+  /// time here.
   Trace run_to_end(std::int64_t evaluations, int looks = 256);
 
   /// States at the present time as the integrator has them: quaternions have drifted from unit length by about the
