@@ -48,6 +48,9 @@ def write_report(paths, output):
             with open(output, "rb") as file:
                 if not file.read(9).lower().startswith(b"<!doctype"):
                     raise FileExistsError(f"{output}: exists and is not an HTML page; it is not overwritten")
+    folder = os.path.dirname(output) or "."
+    if not os.path.isdir(folder) or not os.access(folder, os.W_OK):
+        raise OSError(f"{output}: cannot be written: {folder} is no folder that can be written to")
     runs = [read(path) for path in paths]
     from analysis.report import report  # matplotlib is slow to load, and nothing above needs it
 

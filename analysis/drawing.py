@@ -4,6 +4,7 @@ drawn."""
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 from matplotlib.ticker import EngFormatter, LogLocator
 
 from analysis import pareto
@@ -168,6 +169,16 @@ def stretch(values):
     return -(-len(values) // BINS)
 
 
+def stretches(columns, reduce, count=10):
+    """What a line over steps shows, in few numbers: a row per name of `columns` (name -> (n) values), `reduce` over each
+    of `count` equal stretches of steps."""
+    length = len(next(iter(columns.values())))
+    edges = np.linspace(0, length, min(count, length) + 1).astype(int)
+    heads = [f"steps {a} to {b - 1}" if b - a > 1 else f"step {a}" for a, b in zip(edges, edges[1:])]
+    rows = {name: [reduce(values[a:b]) for a, b in zip(edges, edges[1:])] for name, values in columns.items()}
+    return pd.DataFrame.from_dict(rows, orient="index", columns=heads)
+
+
 def correlation(x, y):
     """Pearson's; NaN when one does not vary."""
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
@@ -208,7 +219,7 @@ def digits(value):
 
 def label_ends(axes, ends, gap=12):
     """Names lines at their right end, `gap` points apart at least. ends: [(y, text, colour)], y in data."""
-    axes.figure.canvas.draw()  # the layout decides how far apart they are
+    axes.figure.draw_without_rendering()  # the layout decides how far apart they are
     points = axes.figure.dpi / 72
     place = [axes.transData.transform((0, y))[1] / points if y > 0 else -np.inf for y, _, _ in ends]
     low, high = (axes.transAxes.transform((0, y))[1] / points for y in (0, 1))

@@ -22,10 +22,11 @@ from analysis.drawing import (
     simulated,
     steps_of,
     stretch,
+    stretches,
     time_text,
 )
 from analysis.figure import PALETTE, Figure, figure, style, svg_of
-from analysis.step_figures import exponents
+from analysis.step_figures import exponents, named
 
 CANNON = ("cannon_naive", "cannon_sap")
 THESIS = {"box": ("5.1", "5.2", "5.3", "5.4"), "falling": ("5.14", "5.15", "", "5.16")}
@@ -47,6 +48,8 @@ def parts(run):
     physics = run.physics[["time_ns", "contact_time_ns", "contacts"]].iloc[: simulated(run)]
     if not (physics.time_ns > 0).any():
         raise NotDrawn("no time of the integration is recorded")
+    if any(not (steps.time_ns[1:, column] > 0).any() for column in columns.values()):
+        raise NotDrawn("no time of Cannon's phases is recorded")
     return steps, columns, physics
 
 
@@ -100,14 +103,15 @@ def parts_of_a_step(run, kind, key):
         for name, (values, _) in lines.items()
     }
     table = pd.DataFrame.from_dict(rows, orient="index", columns=["mean ns", "median ns", "spread / median"])
-    table.index.name = "part of a step"
+    parts_of_steps = stretches({name: values for name, (values, _) in lines.items()}, np.median)
+    table = table.join(parts_of_steps.add_prefix("median ns, ")).rename_axis("part of a step")
     collision, whole = table.loc[label], table.loc["physics"]
     calmer = collision["spread / median"] < whole["spread / median"]
     title = (
         f"Collision time ({label}) varies {'less' if calmer else 'no less'} than physics time, "
         f"{'as in' if calmer else 'unlike in'} the thesis: its 5th to 95th percentile spans "
         f"{digits(collision['spread / median'])} times the median, that of physics {digits(whole['spread / median'])} "
-        f"times; physics take {digits(whole['mean ns'] / collision['mean ns'])} times as long."
+        f"times; physics take {digits(whole['mean ns'] / collision['mean ns'])} times as long"
     )
     what = (
         "Collision: Cannon's phases in C++ on all pairs of a step; physics: Simbody's integration since the step "
@@ -158,7 +162,7 @@ def against_collisions(run, kind, key):
         f"A dot per step, n = {len(steps.hits) - 1}; r is Pearson's correlation{when}. The slowest 0.5 % may lie "
         f"above a panel; panels have axes of their own.{timing_note(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, thesis(kind, 1)), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 1)), table, key)
 
 
 def against_bodies(run, kind, key):
@@ -176,7 +180,7 @@ def against_bodies(run, kind, key):
     for name in median:
         look = PHYSICS if name == "physics" else style(algorithm(run, name))
         axes.plot(median.index, median[name] / 1e9, **look, markevery=max(1, len(median) // 6), markersize=5)
-        ends.append((median[name].iloc[-1] / 1e9, f"{name}  {power[name]:.2f}", look["color"]))
+        ends.append((median[name].iloc[-1] / 1e9, named(name, power[name]), look["color"]))
     log_seconds(axes)
     axes.set_xlabel("bodies, fixed ones included")
     axes.set_ylabel("median time of a step")
@@ -196,7 +200,7 @@ def against_bodies(run, kind, key):
         f"Median time over the steps with as many bodies, n = {len(steps.hits) - 1} steps; beside a name the exponent "
         f"fitted to the logarithms from {t.SQUARE_FROM} bodies on.{timing_note(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, thesis(kind, 2)), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 2)), table, key)
 
 
 def per_collision(run, kind, key):
@@ -208,7 +212,7 @@ def per_collision(run, kind, key):
     }
     shown["physics"] = (physics.time_ns.to_numpy(dtype=float), contacts, PHYSICS)
     fig, axes = figure(height=3.8)
-    ends, rows = [], {}
+    ends, rows, costs = [], {}, {}
     number = np.arange(len(contacts))
     for name, (time, hits, look) in shown.items():
         there = (hits > 0) & (number > 0)
@@ -220,6 +224,7 @@ def per_collision(run, kind, key):
         axes.plot(where, value, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)
         ends.append((value[-1], name, look["color"]))
         early = at < START * len(number)
+        costs[name] = np.where(there, time / np.where(there, hits, 1), np.nan)
         rows[name] = (there.sum(), np.median(each), swing(each[early]), swing(each[~early]))
     if not rows:
         raise NotDrawn("there is no step with a collision")
@@ -229,7 +234,8 @@ def per_collision(run, kind, key):
     axes.margins(x=0.01)
     label_ends(axes, ends)
     names = ["steps with collisions", "median ns per collision", "p95 / p5, first fifth", "p95 / p5, after"]
-    table = pd.DataFrame.from_dict(rows, orient="index", columns=names).rename_axis("part of a step")
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=names)
+    table = table.join(stretches(costs, median_of_some).add_prefix("median ns, ")).rename_axis("part of a step")
     name = table.index[0]
     row = table.loc[name]
     early, after = row.iloc[2], row.iloc[3]
@@ -250,7 +256,12 @@ def per_collision(run, kind, key):
         "Collision time over the pairs that the same algorithm reports, physics time over the integrator's contacts; "
         f"n = {len(number) - 1} steps, those without a collision left out, each point a median.{timing_note(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, thesis(kind, 3)), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 3)), table, key)
+
+
+def median_of_some(values):
+    """The median of those that are not NaN; NaN for none."""
+    return np.median(values[~np.isnan(values)]) if not np.isnan(values).all() else np.nan
 
 
 def swing(values):

@@ -42,8 +42,8 @@ td.n, th.n { text-align: right; white-space: nowrap; }
 td.s { white-space: nowrap; } thead th.n { white-space: normal; }
 td.long { min-width: 15rem; overflow-wrap: anywhere; }
 thead th { position: sticky; top: 0; z-index: 2; background: var(--tint); border-bottom: 1px solid #bbb; vertical-align: bottom; }
-tbody th { position: sticky; left: 0; z-index: 1; font-weight: 600; white-space: nowrap; border-right: 1px solid var(--line); }
-tbody th.long { white-space: normal; min-width: 9.5rem; overflow-wrap: anywhere; }
+tbody th { position: sticky; left: 0; z-index: 1; font-weight: 600; border-right: 1px solid var(--line); }
+tbody th.long { min-width: 9.5rem; overflow-wrap: anywhere; }
 thead th:first-child { left: 0; z-index: 3; border-right: 1px solid var(--line); }
 tbody tr:hover > * { background: #f0f5fb; }
 th button { all: unset; cursor: pointer; font-weight: 600; }
@@ -62,7 +62,7 @@ footer { margin-top: 4rem; padding-top: .7rem; border-top: 1px solid var(--line)
   @page { margin: 14mm; }
   body { max-width: none; padding: 0; font-size: 9.5pt; } nav, .skip { display: none; } a { color: inherit; text-decoration: none; }
   .scroll, .tall { overflow: visible; max-height: none; border: 0; } thead th, tbody th { position: static; }
-  table { font-size: 6.8pt; min-width: 0; } th, td { padding: .12rem .3rem; } td.long { min-width: 0; } td.s { white-space: normal; } tbody th { white-space: normal; }
+  table { font-size: 6.8pt; min-width: 0; } th, td { padding: .12rem .3rem; } td.long { min-width: 0; } td.s { white-space: normal; }
   th button::after { content: none; }
   figure h3, h2, h3, .table h3 { break-after: avoid; } .picture, tr, h3, .warnings { break-inside: avoid; } .picture { max-width: 15cm; }
   details:not(.text)::details-content { content-visibility: visible; height: auto; } summary { color: var(--soft); list-style: none; }
@@ -72,7 +72,7 @@ footer { margin-top: 4rem; padding-top: .7rem; border-top: 1px solid var(--line)
 
 SCRIPT = """
 // Tables are sorted by a column when its head is pressed; folded numbers are opened for printing.
-const value = cell => { const text = cell.textContent.replace(/[\\u2009\\s]/g, ""), n = parseFloat(text);
+const value = cell => { const text = cell.textContent.replace(/[\\u202f\\s]/g, ""), n = parseFloat(text);
   return text === "\\u2013" ? Infinity : isNaN(n) ? text : n; };
 for (const button of document.querySelectorAll("th button")) button.addEventListener("click", () => {
   const head = button.parentElement, column = head.cellIndex, body = head.closest("table").tBodies[0];
@@ -136,9 +136,10 @@ def _section(key, section):
 
 def _part(part):
     if isinstance(part, Figure):
+        title = html.escape(part.title.removesuffix("."))
         return (
-            f'<figure id="{html.escape(part.key)}"><h3>{html.escape(part.title)}</h3>\n'
-            f'<div class="picture" role="img" aria-label="{html.escape(part.title)}">{part.svg}</div>\n'
+            f'<figure id="{html.escape(part.key)}"><h3>{title}</h3>\n'
+            f'<div class="picture" role="img" aria-label="{title}">{part.svg}</div>\n'
             f"<figcaption>{html.escape(part.caption)}</figcaption>\n"
             f"<details><summary>The numbers ({len(part.table)} rows)</summary>{table(part.table, part.title)}</details></figure>"
         )
@@ -200,19 +201,19 @@ def _width(text):
 
 
 def shown(value, decimals=None):
-    """A cell's text, escaped: four digits or so many decimals, whole numbers in full with thin spaces, a dash for what is
+    """A cell's text, escaped: four digits or so many decimals, whole numbers in full with narrow spaces, a dash for what is
     not a number."""
     if isinstance(value, (bool, np.bool_)):
         return "yes" if value else "no"
     if isinstance(value, numbers.Integral):
-        return f"{value:,}".replace(",", "\u2009") if abs(value) >= 10000 else str(value)
+        return f"{value:,}".replace(",", "\u202f") if abs(value) >= 10000 else str(value)
     if isinstance(value, numbers.Real):
         if not np.isfinite(value):
             return "–" if np.isnan(value) else ("∞" if value > 0 else "−∞")
         if decimals is not None:
-            return f"{value:,.{decimals}f}".replace(",", "\u2009" if abs(value) >= 9999.5 else "")
+            return f"{value:,.{decimals}f}".replace(",", "\u202f" if abs(value) >= 9999.5 else "")
         if abs(value) >= 9999.5 and abs(value) < 1e15:
-            return f"{value:,.0f}".replace(",", "\u2009")
+            return f"{value:,.0f}".replace(",", "\u202f")
         return f"{value:.4g}"
     if value is None or value is pd.NaT or value is pd.NA:
         return "–"

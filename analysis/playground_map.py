@@ -76,13 +76,13 @@ def kind_map(run, _, name):
     touching = cells.touching.groupby(level="kind", sort=False).sum()
     share = (missed / touching.where(touching > 0)).dropna()
     if share.empty:
-        title = "No pass of any kind meets its obstacle."
+        title = "No pass of any kind meets its obstacle"
     elif share.max() == 0:
-        title = "No kind of pass is ever missed."
+        title = "No kind of pass is ever missed"
     else:
         worst, best = share.idxmax(), share.idxmin()
         title = f"Passes of the kind “{worst}” are missed most, {share[worst]:.0%} over all algorithms"
-        title += f"; “{best}” least, {share[best]:.0%}." if share[best] < share[worst] else "."
+        title += f"; “{best}” least, {share[best]:.0%}" if share[best] < share[worst] else ""
     what = (
         "Columns are kinds of pass over all obstacles, each pass counted once by its path and once by how the hero "
         "lies (its own axis along the path or across) and whether it goes through the middle."
@@ -93,7 +93,7 @@ def kind_map(run, _, name):
 def title_of(overall):
     """overall: outcomes over all obstacles. What is earliest, misses most, invents most and is exact."""
     if not overall.touching.any():
-        return "No pass meets its obstacle, so nothing can be early or late."
+        return "No pass meets its obstacle, so nothing can be early or late"
     first = overall["first m"].dropna()
     parts = []
     if not first.empty and first.max() > t.EXACT_M:
@@ -113,7 +113,7 @@ def title_of(overall):
         )
     right = overall.index[(overall.missed == 0) & (overall["false alarms"] == 0)]
     parts.append(f"neither miss nor false alarm: {listed(right)}" if len(right) else "none is free of both")
-    return "; ".join(parts) + "."
+    return "; ".join(parts)
 
 
 def drawn_map(run, cells, title, what, name):
@@ -143,8 +143,8 @@ def drawn_map(run, cells, title, what, name):
                 face, text, ink = "white", "–", "#777777"
             axes.add_patch(Rectangle((column, row), 1, 1, facecolor=face, edgecolor="white", linewidth=1.5))
             words = {"ha": "center", "va": "center", "color": ink}
-            axes.text(column + 0.5, row + (0.34 if errors else 0.5), text, fontsize=8, **words)
-            axes.text(column + 0.5, row + 0.76, " ".join(errors), fontsize=7, weight="bold", **words)
+            axes.text(column + 0.5, row + (0.34 if errors else 0.5), text, fontsize=8.5, **words)
+            axes.text(column + 0.5, row + 0.76, " ".join(errors), fontsize=7.5, weight="bold", **words)
     legend(fig, COLOURS, [f"{edge:+g}".replace("-", "−") for edge in EDGES[1:-1]], "late  ←  first report, m  →  early")
     text = (
         "First report in metres before (+) or after (−) the exact first contact, median over the passes that meet and "
@@ -157,8 +157,11 @@ def drawn_map(run, cells, title, what, name):
 
 
 def metres(value):
-    """Two digits after the point; what rounds to nothing has no sign."""
-    return "0" if abs(value) < 0.005 else f"{value:+.2f}".replace("-", "−") if abs(value) < 10 else f"{value:+.0f}"
+    """Two digits or three; what rounds to nothing has no sign."""
+    if abs(value) < 0.005:
+        return "0"
+    text = f"{value:+.2f}" if abs(value) < 0.995 else f"{value:+.1f}" if abs(value) < 9.95 else f"{value:+.0f}"
+    return text.replace("-", "−")
 
 
 def flicker_map(run, _, name):
@@ -181,13 +184,13 @@ def flicker_map(run, _, name):
     changes = overall.flicker
     still = changes.index[changes == 0]
     if not overall.touching.any():
-        title = "No pass meets its obstacle, so no answer can flicker."
+        title = "No pass meets its obstacle, so no answer can flicker"
     elif not changes.any():
-        title = "No algorithm's answer changes within a contact."
+        title = "No algorithm's answer changes within a contact"
     else:
         worst = changes.idxmax()
         title = f"{worst} flickers most, {changes[worst]} changes within {overall.touching[worst]} passes that meet; "
-        title += f"{len(still)} of {len(labels)} algorithms never change their answer within a contact."
+        title += f"{len(still)} of {len(labels)} algorithms never change their answer within a contact"
     text = (
         "Changes of an algorithm's answer between neighbouring samples that both truly meet, over all passes through "
         f"an obstacle; n = {passes.number.nunique()} passes and {len(labels)} algorithms. One that never reports never "

@@ -12,7 +12,7 @@ NAMED = 24  # more points than this: only the front and the ends of lines are na
 HEIGHT = 4.7  # inches, without the legend
 MARGIN = {"left": 46, "right": 10, "top": 8, "bottom": 40}  # points
 STRIP = 34  # points: the height of the strip for no error
-TEXT = 8.5
+TEXT = 9
 
 COSTS = {
     "time_mean_ns": "mean time per step",
@@ -29,11 +29,11 @@ def time(ns):
 
 
 def number(value):
-    """Three digits; more of them in full, with thin spaces from five on."""
+    """Three digits; more of them in full, with narrow spaces from five on."""
     if not np.isfinite(value):
         return "–"
     if abs(value) >= 999.5:
-        return f"{value:,.0f}".replace(",", "\u2009" if abs(value) >= 9999.5 else "")
+        return f"{value:,.0f}".replace(",", "\u202f" if abs(value) >= 9999.5 else "")
     return f"{value:.3g}"
 
 

@@ -4,7 +4,7 @@ import json
 
 import pandas as pd
 
-from analysis import pareto, plots_error
+from analysis import pareto, plots_error, thesis_figures
 from analysis.figure import Section, Table, Text
 from analysis.page import page
 from analysis.plots_error import number
@@ -33,12 +33,13 @@ def report(runs):
 
 
 def sections(runs, found):
-    """All sections in their order: a further one is a line here."""
+    """All sections in their order, the picture that the project is for first; a further one is a line here."""
     return [
         error_against_cost(runs, found),
         summary(runs, found),
         definitions(),
         provenance(runs),
+        *thesis_figures.sections(runs),
     ]
 
 

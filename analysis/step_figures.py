@@ -6,6 +6,7 @@ import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
 from analysis import thresholds as t
+from analysis.drawing import key as key_of
 from analysis.drawing import (
     NotDrawn,
     algorithm,
@@ -24,12 +25,39 @@ from analysis.drawing import (
     short,
     steps_of,
     stretch,
+    stretches,
     time_text,
 )
 from analysis.figure import PALETTE, Figure, figure, style, svg_of
 
 THESIS = {"box": "figures 5.5 to 5.13", "falling": "figures 5.17 to 5.25"}
-TRUTH = "#C9C9C9"
+TRUTH = "#DADADA"
+
+# What the thesis read off its own curves, figures 5.5 to 5.13 (box) and 5.17 to 5.25 (falling).
+SEEN = {
+    "box": {
+        "G": "low and steady, hardly follows hits or bodies",
+        "H": "low and steady, follows least; many hits",
+        "J": "somewhat slower; hits unlike bodies",
+        "K": "slowest by far, grows little with bodies",
+        "L": "grows markedly with many bodies; hits like G's",
+        "P": "slower, odd high peaks; hits like those of G and L",
+        "O": "time and hits waver, hits more with more bodies",
+        "I": "very slow, large swings",
+        "U": "nearly as I, slightly slower",
+    },
+    "falling": {
+        "G": "very low, very steady",
+        "H": "very low, very steady; many more hits",
+        "J": "very low, some swings; fewer hits",
+        "K": "slowest by far, chaotic, unlike its hits",
+        "L": "low and steady, hardly follows hits",
+        "P": "steady but very slow; few hits",
+        "O": "low and steady",
+        "I": "slow, no relation to hits; fewest hits",
+        "U": "slightly faster than I; hits nearly the same",
+    },
+}
 
 
 def time_per_step(run, kind, key):
@@ -67,11 +95,12 @@ def time_per_step(run, kind, key):
         f"Time of an algorithm for all pairs of a step, preparation included; n = {len(steps.hits)} steps, each point "
         f"the median of {stretch(steps.hits)}. Spread is over the {steps.full.sum()} steps{when}.{left_out(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
 
 def spread(steps):
-    """Per algorithm, ns: mean, median, least and greatest time; and the ratio of percentiles while all are there."""
+    """Per algorithm, ns: mean, median, least and greatest time; the ratio of percentiles while all are there; and the
+    median over each tenth of the steps."""
     times = pd.DataFrame(steps.time_ns, columns=pd.Index(steps.labels, name="algorithm"))
     low, high = np.percentile(steps.time_ns[steps.full], (5, 95), axis=0)
     table = {
@@ -81,7 +110,8 @@ def spread(steps):
         "greatest ns": times.max(),
         "p95 / p5": high / np.where(low > 0, low, np.nan),
     }
-    return pd.DataFrame(table).fillna({"p95 / p5": np.inf})
+    parts = stretches(dict(times.items()), np.median).add_prefix("median ns, ")
+    return pd.DataFrame(table).fillna({"p95 / p5": np.inf}).join(parts)
 
 
 def hits_per_step(run, kind, key):
@@ -108,6 +138,8 @@ def hits_per_step(run, kind, key):
     total, meet = pd.Series(steps.hits.sum(axis=0), steps.labels), steps.truth.sum()
     table = pd.DataFrame({"hits": total, "per step": total / len(steps.hits), "hits / pairs that meet": total / meet})
     table.loc["(truly meet)"] = [meet, meet / len(steps.hits), 1.0 if meet else np.nan]
+    each = {label: steps.hits[:, column] for column, label in enumerate(steps.labels)} | {"(truly meet)": steps.truth}
+    table = table.join(stretches(each, np.mean).add_prefix("mean, "))
     total = total[drawn]
     if not total.sum():
         title = f"No algorithm reports anything; {meet:.0f} pairs meet"
@@ -125,7 +157,7 @@ def hits_per_step(run, kind, key):
         f"point the mean of {stretch(steps.hits)}. The axis is linear below 1.{left_out(run)}"
     )
     table.index.name = "algorithm"
-    return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table.astype({"hits": int}), key)
+    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table.astype({"hits": int}), key)
 
 
 def follows_table(steps):
@@ -162,7 +194,7 @@ def follows_title(names, r):
         unknown = listed(name for name in names if np.isnan(values[name]))
         start = "it" if parts else "Whether time follows hits"
         parts.append(f"{start} cannot be told for {unknown}, where one of them does not vary")
-    return "; ".join(parts) + "."
+    return "; ".join(parts)
 
 
 def span(values):
@@ -205,6 +237,8 @@ def curves_together(run, kind, key):
         f"100 stretches at most, cut at 3; r is Pearson's correlation of time and hits over {when}.{left_out(run)}"
     )
     title = follows_title([short(run, label) for label in drawn], [r[label] for label in drawn])
+    if seen := SEEN.get(kind):
+        table["the thesis saw"] = [seen.get(key_of(run, label), "") for label in table.index]
     return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
 
@@ -252,7 +286,7 @@ def time_against_hits(run, kind, key):
         "is the cost of a hit. The slowest 0.5 % of steps may lie above a panel; panels have axes of their own."
         f"{left_out(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
 
 def time_against_bodies(run, kind, key):
@@ -269,7 +303,7 @@ def time_against_bodies(run, kind, key):
     for label in drawn:
         look = style(algorithm(run, label))
         axes.plot(median.index, median[label] / 1e9, **look, markevery=max(1, len(median) // 6), markersize=5)
-        ends.append((median[label].iloc[-1] / 1e9, f"{full(run, label)}  {power[label]:.2f}", look["color"]))
+        ends.append((median[label].iloc[-1] / 1e9, named(full(run, label), power[label]), look["color"]))
     axes.set_xscale("log")
     low, high = median.index[[0, -1]]
     between = {tick for tick in (2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000) if low * 1.3 < tick < high / 1.3}
@@ -297,7 +331,12 @@ def time_against_bodies(run, kind, key):
         f"steps. Beside a name: the exponent fitted to the logarithms from {t.SQUARE_FROM} bodies on; {t.SQUARE[0]} "
         f"to {t.SQUARE[1]} counts as the square.{left_out(run)}"
     )
-    return Figure(title + ".", svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
+
+
+def named(name, power):
+    """A line's name with its exponent, where it has one."""
+    return name if np.isnan(power) else f"{name}  {power:.2f}"
 
 
 def exponents(median):

@@ -1,7 +1,7 @@
 """The thesis's part of the report: its figures 5.1 to 5.25, tables 5.1 and 5.2, playground and statements, drawn anew.
 
-The thesis ran each scene once; of several files of one motion the one with most of the thesis's algorithms is drawn, the
-others are named. Every figure is of one file, so that no time axis has two machines on it unseen.
+The thesis ran each scene once; of several files of one motion the one with most of the thesis's algorithms is drawn,
+the others are named. Every figure is of one file, so that no time axis has two machines on it unseen.
 """
 
 import re
@@ -33,9 +33,8 @@ def sections(runs):
     for number, (scene, group) in enumerate(chosen.items()):
         best = max(group, key=published)  # of equals the first
         more = [
-            f"{pareto.name(run)} has the same motion; the thesis's figures are drawn from {pareto.name(best)}, which has "
-            + ("more" if published(run) < published(best) else "no fewer")
-            + " of its algorithms as published."
+            f"{pareto.name(run)} has the same motion; the thesis's figures are drawn from {pareto.name(best)}, which "
+            f"has {'more' if published(run) < published(best) else 'no fewer'} of its algorithms as published."
             for run in group
             if run is not best
         ]

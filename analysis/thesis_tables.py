@@ -1,5 +1,7 @@
 """Tables 5.1 and 5.2 of the thesis beside this run's times, and the verdicts on its statements as a table."""
 
+import re
+
 import numpy as np
 import pandas as pd
 
@@ -54,12 +56,13 @@ def means_table(run, kind):
     for letter, milliseconds in THESIS_MS.items():
         if label := letters.get(letter):
             mean = steps.time_ns[:, steps.labels.index(label)].mean() / 1e6
-            rows[label] = (letter, milliseconds[kind == "falling"], mean)
+            if mean > 0:
+                rows[label] = (letter, milliseconds[kind == "falling"], mean)
     if len(rows) < 2:
-        raise NotDrawn(f"the file has {len(rows) or 'none'} of the thesis's nine algorithms as published")
+        raise NotDrawn(f"the file has {len(rows) or 'none'} of the thesis's nine algorithms as published, timed")
     table = pd.DataFrame.from_dict(rows, orient="index", columns=["key", "thesis ms", "this run ms"])
     table = table.sort_values("thesis ms").rename_axis("algorithm")
-    table["JS / C++"] = table["thesis ms"] / table["this run ms"].where(table["this run ms"] > 0)
+    table["JS / C++"] = table["thesis ms"] / table["this run ms"]
     table["rank in the thesis"] = table["thesis ms"].rank().astype(int)
     table["rank here"] = table["this run ms"].rank(method="min").astype(int)
     return table
@@ -87,13 +90,16 @@ def means_figure(run, kind, name):
     fig.legend(loc="upper center", ncol=2, fontsize=9, frameon=False, borderaxespad=0.1)
 
     moved = (table["rank here"] - table["rank in the thesis"]).abs()
-    title = f"The order of mean times and that of table {TABLE[kind]} have rank correlation "
-    title += f"{rho:.2f} (Spearman; Kendall {tau:.2f}; n = {len(table)})"
-    if moved.max():
+    if np.isnan(rho):
+        title = f"All mean times are equal here, so their order cannot be compared with table {TABLE[kind]}"
+    else:
+        title = f"The order of mean times and that of table {TABLE[kind]} have rank correlation "
+        title += f"{rho:.2f} (Spearman; Kendall {tau:.2f}; n = {len(table)})"
+    if moved.max() and not np.isnan(rho):
         label = moved.idxmax()
         title += f"; {label} moves most, from place {table['rank in the thesis'][label]} to {table['rank here'][label]}"
     low, high = table["JS / C++"].min(), table["JS / C++"].max()
-    title += f"; the thesis's JavaScript took {digits(low)} to {digits(high)} times as long as C++ here."
+    title += f"; the thesis's JavaScript took {digits(low)} to {digits(high)} times as long as C++ here"
     what = (
         "Two machines on one axis: the thesis's means come from its own computer and browser and scenes of its own "
         f"length, so only orders and ratios say something. n = {len(table)} algorithms, "
@@ -110,7 +116,7 @@ def statements_table(scenes, notes=()):
         word, _, why = verdict.verdict.partition(": ")  # why: only of what is not testable
         figures = "; ".join(f"{name}: {shown(value)}" for name, value in verdict.figures.items())
         form = "careful" if verdict.variant else "as published"
-        rows.append((verdict.number, form, word, verdict.text, figures or why))
+        rows.append((verdict.number, form, word, spelled(verdict.text), figures or why))
     frame = pd.DataFrame(rows, columns=["no.", "form", "verdict", "the thesis says", "figures"])
     careful = frame[frame.form == "careful"]
     title = f"Of the thesis's {(frame.form != 'careful').sum()} statements {counted(frame[frame.form != 'careful'])}"
@@ -119,10 +125,20 @@ def statements_table(scenes, notes=()):
     text = (
         f"{letters}. What words such as “slightly” mean is a number of analysis/thresholds.py, fixed before there were "
         f"results: early and late count from {t.EXACT_M} m on, “slightly” ends at {t.SLIGHT_M} m, “too early” begins "
-        f"at {t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. Lengths "
-        "are in m, times ratios, shares of 1."
+        f"at {t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. "
+        "Lengths are in m, times ratios, shares of 1."
     )
-    return Table(title + ".", frame.set_index("no."), " ".join([text, *notes]))
+    return Table(title, frame.set_index("no."), " ".join([text, *notes]))
+
+
+def spelled(text):
+    """A statement with the names of its algorithms; one about more than two keeps the letters, which orders need."""
+    letters = re.findall(rf"\b[{''.join(KEYS)}]\b", text)
+    if len(set(letters)) > 2:
+        return text
+    for letter in dict.fromkeys(letters):
+        text = re.sub(rf"\b{letter}\b", f"{letter} ({KEYS[letter]})", text, count=1)
+    return text
 
 
 def counted(frame):

@@ -1,8 +1,10 @@
 """The report: what its figures say is so, its page stands alone, and odd results give a report that says what is odd."""
 
+import os
 import re
 import shutil
 import subprocess
+import sys
 import xml.dom.minidom
 
 import h5py
@@ -13,7 +15,7 @@ import pytest
 from browser import browsing, open_page
 from conftest import ROOT, SCENES
 
-from analysis import labels, pareto, plots_error
+from analysis import labels, pareto, plots_error, thesis_figures
 from analysis.__main__ import main
 from analysis.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
 from analysis.load import load
@@ -32,6 +34,12 @@ def made(result_file, tmp_path_factory):
 @pytest.fixture
 def copy(result_file, tmp_path):
     return shutil.copy(result_file, tmp_path / "copy.h5")
+
+
+@pytest.fixture
+def brief(monkeypatch):
+    """Reports without the thesis's sections, for what does not concern them."""
+    monkeypatch.setattr(thesis_figures, "sections", lambda runs: [])
 
 
 def smoke(pipeline, path, *settings):
@@ -88,7 +96,7 @@ def test_the_summary_is_that_of_the_file(made, result_file):
     assert [row[0] for row in rows] == list(summary.index)
     for head, column, scale in (("error", "error", 1), ("false positives", "false_positive", 1), ("mean time (µs)", "time_mean_ns", 1e3),
                                 ("false negatives", "false_negative", 1), ("Matthews", "matthews", 1)):  # fmt: skip
-        shown_there = [float(row[heads.index(head)].replace("\u2009", "").replace("–", "nan")) for row in rows]
+        shown_there = [float(row[heads.index(head)].replace("\u202f", "").replace("–", "nan")) for row in rows]
         np.testing.assert_allclose(shown_there, summary[column].astype(float) / scale, rtol=6e-3, atol=6e-5)
 
 
@@ -121,7 +129,7 @@ def test_texts_of_a_file_are_shown_and_not_run(copy, tmp_path):
 
 def test_numbers_are_shown_with_four_digits():
     assert [shown(value) for value in (True, 7, 12345, 0.123456, float("nan"), float("inf"), None, 123456.7, "a<b")] == [
-        "yes", "7", "12\u2009345", "0.1235", "–", "∞", "–", "123\u2009457", "a&lt;b",
+        "yes", "7", "12\u202f345", "0.1235", "–", "∞", "–", "123\u202f457", "a&lt;b",
     ]  # fmt: skip
 
 
@@ -249,7 +257,7 @@ def test_files_of_one_motion_share_figures_and_equal_answers_count_once(result_f
     assert len(found) == 1 and list(found[0].points.label) == load(result_file).meta["algorithms"]
 
 
-def test_another_machines_times_are_drawn_apart_and_it_is_said(result_file, copy, tmp_path):
+def test_another_machines_times_are_drawn_apart_and_it_is_said(result_file, copy, tmp_path, brief):
     with h5py.File(copy, "r+") as file:
         file["answers/obb_sat"].attrs["processor"] = "Other processor"
     path = tmp_path / "r.html"
@@ -265,7 +273,7 @@ def test_another_machines_times_are_drawn_apart_and_it_is_said(result_file, copy
     assert "obb_sat (copy)" in path.read_text(encoding="utf-8")
 
 
-def test_other_scenes_have_figures_of_their_own(small_file, tmp_path):
+def test_other_scenes_have_figures_of_their_own(small_file, tmp_path, brief):
     files = [str(small_file(config)) for config in SCENES if config.stem in ("hriste", "kostka")]
     assert main(["report", *files, "-o", str(tmp_path / "r.html")]) == 0
     text = (tmp_path / "r.html").read_text(encoding="utf-8")
@@ -321,7 +329,7 @@ def test_a_group_that_is_missing_is_no_obstacle(copy, tmp_path, group):
     assert said.get(group, "") in (tmp_path / "odd.html").read_text(encoding="utf-8")
 
 
-def test_a_debug_build_and_a_broken_promise_are_said(copy, tmp_path):
+def test_a_debug_build_and_a_broken_promise_are_said(copy, tmp_path, brief):
     with h5py.File(copy, "r+") as file:
         file.attrs["build_type"] = "Debug"
         file.attrs["git_commit"] = "0123456789-dirty"
@@ -335,7 +343,7 @@ def test_a_debug_build_and_a_broken_promise_are_said(copy, tmp_path):
 # ---- the output
 
 
-def test_only_pages_are_overwritten(made, result_file, tmp_path, capsys):
+def test_only_pages_are_overwritten(made, result_file, tmp_path, capsys, brief):
     precious = tmp_path / "precious.txt"
     precious.write_text("mine")
     for output in (precious, tmp_path, tmp_path / "no" / "folder.html"):
@@ -351,3 +359,21 @@ def test_the_script_finds_its_python_from_any_folder(result_file, tmp_path):
     run = subprocess.run([str(ROOT / "scripts" / "report"), str(result_file)], cwd=tmp_path, text=True, capture_output=True)
     assert run.returncode == 0 and run.stdout == "report.html\n" and run.stderr == "", run.stderr
     assert (tmp_path / "report.html").stat().st_size > 10000
+
+
+# ---- README
+
+
+def test_the_ten_lines_of_the_readme_draw_its_picture(result_file, tmp_path):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (code,) = [block for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "savefig" in block]
+    assert len([line for line in code.splitlines() if line.strip()]) == 10
+    (tmp_path / "results").mkdir()
+    shutil.copy(result_file, tmp_path / "results" / "padani.h5")
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"}
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, check=True)
+    drawn = (tmp_path / "error_against_time.svg").read_text(encoding="utf-8")
+    (picture,) = re.findall(r"!\[[^]]*\]\((\S*error_against_time.svg)\)", text)
+    for svg in (drawn, (ROOT / picture).read_text(encoding="utf-8")):
+        for words in ("error = (FP + FN) / (TP + FP + FN)", *load(result_file).meta["algorithms"][:3]):
+            assert f"<!-- {words} -->" in svg  # matplotlib names each text so
