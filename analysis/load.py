@@ -9,8 +9,8 @@
     bodies, motion          one row per body; poses as arrays
     study                   one row per case of a study of integrators
 
-Steps and counts are integers (int64, uint64), times in ns int64 (float64 in summary), everything else float64 in SI units;
-labels and names are text. What a file does not have is None or a table without rows, as each says.
+Steps and counts are integers (int64, uint64), times in ns int64 (float64 in summary), everything else float64 in SI
+units; labels and names are text. What a file does not have is None or a table without rows, as each says.
 
 h5py and xarray read the file unaided too: ``xarray.open_dataset(path, group="results", engine="h5netcdf")``.
 ``pandas.read_hdf`` does not: it reads only what pandas wrote.
@@ -48,9 +48,9 @@ class Run:
     def per_step(self):
         """One row per step and algorithm (S x A rows, step by step, algorithms in the file's order), numbered from 0.
 
-        Columns: step (int64), time (float64, s), algorithm (categorical); time_ns, time_median_ns, prepare_ns (int64, ns);
-        hits, true_positive, false_positive, false_negative, rounding_miss (uint64, pairs), contained_hit where it is
-        recorded; operations (uint64, elementary tests).
+        Columns: step (int64), time (float64, s), algorithm (categorical); time_ns, time_median_ns, prepare_ns (int64,
+        ns); hits, true_positive, false_positive, false_negative, rounding_miss (uint64, pairs), contained_hit where it
+        is recorded; operations (uint64, elementary tests).
         """
         steps, labels = self.meta["steps"], self.meta["algorithms"]
         table = {
@@ -76,8 +76,9 @@ class Run:
     def physics(self):
         """One row per step, indexed by step; None when nothing was integrated. How it ended: attrs["status"].
 
-        Columns: energy, kinetic_energy (float64, J), greatest_penetration (float64, m), contacts (uint64); and since the
-        step before: integrator_steps, rejected_steps, force_evaluations (uint64), time_ns, contact_time_ns (int64, ns).
+        Columns: energy, kinetic_energy (float64, J), greatest_penetration (float64, m), contacts (uint64); and since
+        the step before: integrator_steps, rejected_steps, force_evaluations (uint64), time_ns, contact_time_ns (int64,
+        ns).
         """
         columns = self._columns("physics")
         if not columns:
@@ -223,6 +224,38 @@ class Run:
         for name, values in columns.items():
             table[name] = values.ravel() if values.ndim == 2 else np.repeat(values, len(labels))
         return pd.DataFrame(table)
+
+    @cached_property
+    def extremes(self):
+        """One row per case and algorithm (S x A rows, step by step); None when the scene is not one of extremes.
+
+        Columns: step, algorithm (categorical), pair (of shapes), gap_class, gap (m, negative beyond touching),
+        gap_ulps, ulp (m), scale, offset (m), orientation_stream; truth, truth_moved, near_touching, reported, swapped,
+        moved (bool: as in the file), failed (bool), refused (bool: it failed because it refused the bodies).
+        """
+        columns = self._columns("extremes")
+        if not columns:
+            return None
+        steps, labels = self.meta["steps"], self.meta["algorithms"]
+        columns.pop("failure", None)
+        table = {
+            "step": np.repeat(np.arange(steps), len(labels)),
+            "algorithm": pd.Categorical.from_codes(np.tile(np.arange(len(labels)), steps), labels),
+        }
+        for name, values in columns.items():
+            if values.dtype == object:
+                values = np.array([text.decode() for text in values], dtype=object)
+            table[name] = values.ravel() if values.ndim == 2 else np.repeat(values, len(labels))
+        table = pd.DataFrame(table)
+        table["refused"] = table["failed"] == 1
+        flags = ["truth", "truth_moved", "near_touching", "reported", "swapped", "moved", "failed"]
+        return table.astype(dict.fromkeys(flags, bool))
+
+    @cached_property
+    def failures(self):
+        """Per algorithm what it said when it first failed at a case of extremes, "" when it never did; else None."""
+        with h5py.File(self.path) as file:
+            return list(file["extremes/failure"].asstr()[()]) if "extremes/failure" in file else None
 
     def _columns(self, group):
         """name -> values of a group's columns, its dimensions left out; empty when there is no such group."""
