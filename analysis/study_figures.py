@@ -330,12 +330,19 @@ def map_title(table):
     problem = table["problem"].iloc[0].replace("_", " ")
     good = studies.holds(table).groupby(table["who"], sort=False).all()
     lost = table["who"][~table["finished"]].unique()
-    low, high = heads_of([table["value"].min(), table["value"].max()])
-    where = f"from {low} to {high} Pa"
+    where = range_text(table, "Pa")
     names = list(good.index[good])
     text = f"{problem.capitalize()}: " + (f"{listed(names)} keep{'s' if len(names) == 1 else ''} the energy within 1 % {where}" if names
                                           else f"no integrator keeps the energy within 1 % {where}")  # fmt: skip
     return f"{text}; {listed(lost)} {'does' if len(lost) == 1 else 'do'} not finish everywhere" if len(lost) else f"{text}; all finish"
+
+
+def range_text(table, unit):
+    """The range of a map's factor; says so when not every integrator has all of it."""
+    low, high = heads_of([table["value"].min(), table["value"].max()])
+    wanted, run = table["who"].nunique() * table["value"].nunique(), len(table[["who", "value"]].drop_duplicates())
+    where = f"from {low} to {high} {unit}"
+    return where if run == wanted else f"in the cases that were run, {run} of {wanted} {where}"
 
 
 def factor_figure(run, names, key):
