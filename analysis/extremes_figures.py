@@ -100,7 +100,7 @@ def gap_figure(run, key):
     handles = [Patch(color=colour, label=word) for word, colour in (("missed", MISSED), ("invented", INVENTED),
                                                                           ("within 1000 ulps of touching", SHADE))]  # fmt: skip
     space(fig, top=0.3)
-    fig.legend(handles=handles, loc="upper center", ncols=3)
+    fig.legend(handles=handles, loc="upper center", ncols=3, frameon=False, fontsize=9)
     everything = int(table.groupby("algorithm", observed=True)["cases"].sum().max())
     close = table["near_touching"]
     apart = int(table["cases"][close].sum() / max(1, len(labels)))

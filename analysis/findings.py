@@ -8,13 +8,13 @@ import numpy as np
 
 from analysis import extremes, extremes_figures, pareto, studies
 from analysis.drawing import NotDrawn, listed, plain, time_text
-from analysis.figure import Section
+from analysis.figure import Points, Section
 from analysis.plots_error import number
 from analysis.study_figures import FAILED, OTHERWISE, follow_text, heads_of
 
 
 def section(runs):
-    """The section "Findings": a paragraph per finding, file by file; None when there is none."""
+    """The section "Findings": the sentences of every file; None when there is none."""
     parts = []
     for run in runs:
         mine = []
@@ -23,7 +23,8 @@ def section(runs):
                 mine += tell(run, runs) if tell is study else tell(run)
             except (KeyError, ValueError, OSError, AttributeError, NotDrawn) as error:
                 mine.append(f"What {tell.__name__} would tell is left out, the file is not as expected: {plain(error)}.")
-        parts += [f"{pareto.title(run)}: {text}" for text in mine]
+        if mine:
+            parts.append(Points(f"{pareto.title(run)} ({pareto.name(run)})", mine))
     return Section("Findings", parts) if parts else None
 
 
@@ -79,7 +80,7 @@ def converged(run):
     found = []
     for name, mine in fits.groupby("integrator", sort=False):
         nominal, low, high = mine["nominal_order"].iloc[0], mine["order"].min(), mine["order"].max()
-        range_ = f"{low:.2f}" if len(mine) == 1 else f"{low:.2f} to {high:.2f}"
+        range_ = f"{low:.2f}" if f"{low:.2f}" == f"{high:.2f}" else f"{low:.2f} to {high:.2f}"
         off = mine[mine["order"] < nominal - 0.3]
         text = f"{name} converges with order {range_} on {len(mine)} problem{'s' if len(mine) > 1 else ''}; nominal is {nominal:g}"
         if len(off):
@@ -104,9 +105,9 @@ def held(run):
         if not whole:
             found.append(f"On the {problem} no integrator has all of {len(values)} values {where}; who holds everywhere cannot be said.")
         elif keep:
-            found.append(f"On the {problem} {listed(keep)} keep{'s' if len(keep) == 1 else ''} the energy within {studies.BOUND:.0%} {where}.")
+            found.append(f"On the {problem} {listed(keep)} keep{'s' if len(keep) == 1 else ''} the energy within {100 * studies.BOUND:g} % {where}.")
         else:
-            found.append(f"On the {problem} no integrator keeps the energy within {studies.BOUND:.0%} everywhere {where}.")
+            found.append(f"On the {problem} no integrator keeps the energy within {100 * studies.BOUND:g} % everywhere {where}.")
         lost = mine[~mine["finished"]]
         for name, some in lost.groupby("integrator", sort=False):
             why = listed(dict.fromkeys((FAILED.get(status) or OTHERWISE)[1] for status in some["status"]))
@@ -131,7 +132,7 @@ def recommended(run, runs):
         if len(best):
             row = best.iloc[0]
             found.append(
-                f"Recommended near {stiffness:g} Pa: {row['integrator']} at {row['setting']}; it finishes all {row['of']} cases within {studies.BOUND:.0%} of the energy "
+                f"Recommended near {stiffness:g} Pa: {row['integrator']} at {row['setting']}; it finishes all {row['of']} cases within {100 * studies.BOUND:g} % of the energy "
                 f"(worst {row['worst_energy_error']:+.2%}) with the fewest force evaluations, {number(int(row['force_evaluations']))}."
             )  # fmt: skip
         elif len(table):
@@ -143,19 +144,13 @@ def recommended(run, runs):
 
 def went_wrong(run):
     """Extremes of the motion: per sweep what fails with whom, and what the greatest step is that stops a ball."""
-    table, found = studies.extremes_of_motion(run), []
+    table, told = studies.extremes_of_motion(run), {}
     for (sweep, case), mine in table.groupby(["sweep", "case"], sort=False):
-        good = studies.holds(mine, 0.1)
-        name = f"{sweep.replace('_', ' ')}" + ("" if case == "as it stands" else f" ({case})")
-        if good.all():
-            found.append(f"{name.capitalize()}: goes well with all {len(mine)} integrators (finished, energy within 10 %).")
-            continue
-        bad = mine[~good]
-        words = []
-        for status, some in bad.groupby("status", sort=False):
-            what = "energy off by more than 10 %" if status == "finished" else (FAILED.get(status) or OTHERWISE)[1]
-            words.append(f"{what} with {listed(some['integrator']) if len(some) < len(mine) else 'all'}")
-        found.append(f"{name.capitalize()}: goes wrong with {len(bad)} of {len(mine)} integrators: {'; '.join(words)}.")
+        told.setdefault((sweep, outcome(mine)), []).append(case)
+    found = []
+    for (sweep, text), cases in told.items():
+        name = sweep[:1].upper() + sweep[1:].replace("_", " ")
+        found.append(f"{name}{'' if cases == ['as it stands'] else ' (' + '; '.join(cases) + ')'}: {text}.")
     plates = studies.tunnelling(run)
     for (speed, thickness, stiffness), mine in plates.groupby(["speed", "thickness", "stiffness"], sort=False, dropna=False):
         steps = mine["preventing_step"].dropna()
@@ -166,6 +161,18 @@ def went_wrong(run):
             low, high = f"{steps.min():.2g}", f"{steps.max():.2g}"
             found.append(f"{text} is stopped by steps of at most {low if low == high else f'{low} to {high}'} s, with {len(steps)} of {len(mine)} integrators.")
     return found
+
+
+def outcome(rows):
+    """How one case went with the integrators that had it."""
+    good = studies.holds(rows, 0.1)
+    if good.all():
+        return f"goes well with all {len(rows)} integrators (finished, energy within 10 %)"
+    words = []
+    for status, some in rows[~good].groupby("status", sort=False):
+        what = "energy off by more than 10 %" if status == "finished" else (FAILED.get(status) or OTHERWISE)[1]
+        words.append(f"{what} with {listed(some['integrator']) if len(some) < len(rows) else 'all'}")
+    return f"goes wrong with {len(rows) - good.sum()} of {len(rows)} integrators: {'; '.join(words)}"
 
 
 # ---- Answers, drift, scenes -------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pandas as pd
 
-from analysis.figure import Figure, Table, Text
+from analysis.figure import Figure, Points, Table, Text
 
 STYLE = """
 :root { --ink: #1a1a1a; --soft: #595959; --line: #d9d9d9; --tint: #f5f6f8; --blue: #0b5394; }
@@ -27,6 +27,7 @@ nav ol { list-style: none; display: flex; flex-wrap: wrap; gap: .3rem 1.1rem; ma
 .warnings { border: 1px solid #b45f06; border-left-width: .4rem; background: #fff8ee; padding: .7rem 1rem; margin: 1.2rem 0;
   overflow-wrap: anywhere; }
 .warnings h2 { font-size: 1rem; margin: 0 0 .3rem; border: 0; padding: 0; } .warnings ul { margin: 0; padding-left: 1.1rem; }
+.points ul { margin: .3rem 0 1.4rem; padding-left: 1.1rem; max-width: 46rem; overflow-wrap: anywhere; } .points li { margin: .35rem 0; }
 figure, .table { margin: 1.6rem 0 2.4rem; }
 .picture { max-width: 42rem; } .picture svg { display: block; width: 100%; height: auto; }
 .picture svg text { white-space: pre; }
@@ -143,6 +144,9 @@ def _part(part):
             f"<figcaption>{html.escape(part.caption)}</figcaption>\n"
             f"<details><summary>The numbers ({len(part.table)} rows)</summary>{table(part.table, part.title)}</details></figure>"
         )
+    if isinstance(part, Points):
+        items = "".join(f"<li>{html.escape(text)}</li>" for text in part.items)
+        return f'<div class="points"><h3>{html.escape(part.title)}</h3>\n<ul>{items}</ul></div>'
     if isinstance(part, Table):
         return (
             f'<div class="table"><h3>{html.escape(part.title)}</h3>\n{table(part.frame, part.title)}\n'

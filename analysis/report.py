@@ -4,7 +4,7 @@ import json
 
 import pandas as pd
 
-from analysis import pareto, plots_error, thesis_figures
+from analysis import extremes_figures, findings, pareto, plots_error, study_figures, thesis_figures
 from analysis.figure import Section, Table, Text
 from analysis.page import page
 from analysis.plots_error import number
@@ -34,13 +34,22 @@ def report(runs):
 
 def sections(runs, found):
     """All sections in their order, the picture that the project is for first; a further one is a line here."""
-    return [
-        error_against_cost(runs, found),
-        summary(runs, found),
-        definitions(),
-        provenance(runs),
-        *thesis_figures.sections(runs),
-    ]
+    told = findings.section(runs)
+    studied = [*study_figures.sections([run for run in runs if is_study(run)], runs), *extremes_figures.sections(runs)]
+    drifts = study_figures.sections([run for run in runs if not is_study(run)], runs)
+    scenes = [run for run in runs if not is_study(run)]
+    if found or scenes:
+        answered = [error_against_cost(scenes, found), summary(scenes, found), definitions(), provenance(runs)]
+    else:  # studies alone: nothing was answered
+        answered = [provenance(runs)]
+    thesis = thesis_figures.sections(scenes) if scenes else []
+    first = [told, *studied] if studied else []
+    last = [] if studied or not told else [told]
+    return [*first, *answered, *last, *drifts, *thesis]
+
+
+def is_study(run):
+    return run.study is not None
 
 
 def lead(runs, found):

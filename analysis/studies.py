@@ -21,6 +21,7 @@ UNITS = {"stiffness": "Pa", "transition_velocity": "m/s", "dissipation": "s/m", 
 THRESHOLDS = (1e-3, 1e-6, 1e-9)
 BOUND = 0.01  # of the problem's energy: what the recommendation allows
 NEAR = 10.0  # stiffness at most so many times smaller or greater than the scenes' counts as near
+AGREE = 0.5  # how far the slopes between neighbouring cases of one fit differ at most
 LARGEST, ROUNDING = 1e-2, 1e-11  # errors between which an order is fitted
 
 
@@ -119,7 +120,8 @@ def orders(run):
     The order is the slope of log error over log step by least squares, where the step is fixed; over force evaluations
     where an integrator takes accuracies only (fitted_over). Fitted are the cases in the asymptotic range: from the
     first error of at most 1e-2 on, as long as every finer case has a smaller error, and not below 1e-11, where rounding
-    takes over; three at least. Columns: problem, integrator, nominal_order (NaN: it varies), order (NaN: too few),
+    takes over; of those the longest stretch, three at least, whose slopes from case to case agree within AGREE (of equally
+    long ones the finest): an integrator that meets a kink gives erratic slopes and no order. Columns: problem, integrator, nominal_order (NaN: it varies), order (NaN: too few),
     points, from_error, to_error, fitted_over.
     """
     found = []
@@ -141,7 +143,7 @@ def orders(run):
 
 
 def fitted(step, error):
-    """(slope, errors in the asymptotic range), coarse to fine; NaN with fewer than three."""
+    """(slope, errors that are fitted, coarse to fine) as orders() says; (NaN, []) when there is no such stretch."""
     good = np.isfinite(step) & np.isfinite(error) & (step > 0)
     order = np.argsort(-step[good], kind="stable")
     points = []
@@ -151,10 +153,19 @@ def fitted(step, error):
         if e < ROUNDING or (points and (e >= points[-1][1] or h >= points[-1][0])):
             break
         points.append((h, e))
-    errors = [e for _, e in points]
     if len(points) < 3:
-        return np.nan, errors
-    return float(np.polyfit(np.log([h for h, _ in points]), np.log(errors), 1)[0]), errors
+        return np.nan, []
+    h, e = np.log(np.array(points).T)
+    slopes = np.diff(e) / np.diff(h)
+    best = (0, 0)
+    for first in range(len(slopes)):
+        for last in range(first + 2, len(slopes) + 1):
+            if np.ptp(slopes[first:last]) <= AGREE and last - first >= best[1] - best[0]:
+                best = (first, last)
+    if best[1] == 0:
+        return np.nan, []
+    stretch = slice(best[0], best[1] + 1)
+    return float(np.polyfit(h[stretch], e[stretch], 1)[0]), list(np.exp(e[stretch]))
 
 
 def stability(run):

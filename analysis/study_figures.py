@@ -42,13 +42,17 @@ DARK = "#3D3D3D"
 CELL_SIZE = 8.5
 
 
-def sections(runs):
-    """A section for each study among `runs`, and one for the drift of each integrated motion; none when there is neither."""
+def sections(runs, beside=None):
+    """A section for each study among `runs`, and one for the drift of each integrated motion; none when there is neither.
+
+    beside: all runs of the report; recommendations are compared with their configurations.
+    """
+    beside = runs if beside is None else beside
     found = []
     for count, run in enumerate(runs):
         key = f"study-{count}-{slug(pareto.name(run))}"
         if run.study is not None:
-            found.append(Section(f"{pareto.title(run)}: integrators", study_parts(run, runs, key)))
+            found.append(Section(f"{pareto.title(run)}: integrators", study_parts(run, beside, key)))
         elif run.physics is not None and run.meta["steps"] > 1:
             found.append(Section(f"{pareto.title(run)}: drift of the motion", [guarded("Drift", drift_figure, run, key)]))
     return found
@@ -152,20 +156,22 @@ def precision_panels(table, problems, cost, label, chosen):
     lost, drawn = 0, {}
     for ax, problem in zip(axes.ravel(), problems):
         mine = table[table["problem"] == problem]
-        positive = mine["error"][mine["error"] > 0]
+        lines = {integrator: chosen(some) for integrator, some in mine.groupby("integrator", sort=False)}
+        done = pd.concat([line[(line[cost] > 0) & line["error"].notna()] for line in lines.values()])
+        positive = done["error"][done["error"] > 0]
         low = max(positive.min() / 3, 1e-17) if len(positive) else 1e-16
         high = min(positive.max() * 8, 1e3) if len(positive) else 1
-        for integrator, some in mine.groupby("integrator", sort=False):
-            line = chosen(some)
+        for integrator, line in lines.items():
             good = line[(line[cost] > 0) & line["error"].notna()]
             drawn[integrator] = ax.plot(good[cost], good["error"].clip(low * 1.2, high), markersize=4, linewidth=1.1,
                                         label=integrator, **look(integrator))[0]  # fmt: skip
             bad = line[(line["status"] != "finished") & (line[cost] > 0)]
             lost += int((line["status"] != "finished").sum())
-            ax.plot(bad[cost], np.full(len(bad), 0.93), "x", color=look(integrator)["color"], markersize=6,
-                    transform=ax.get_xaxis_transform(), clip_on=False)  # fmt: skip
+            at = bad[cost].clip(done[cost].min() / 3, done[cost].max() * 3) if len(done) else bad[cost]
+            ax.plot(at, np.full(len(bad), 0.93), "x", color=look(integrator)["color"], markersize=6,
+                    transform=ax.get_xaxis_transform())  # fmt: skip
         ax.set(xscale="log", yscale="log", ylim=(low, high * 4))
-        ax.set_title(problem.replace("_", " "), loc="left")
+        ax.set_title(problem.replace("_", " "), loc="left", fontsize=9.5)
         ax.yaxis.set_major_locator(LogLocator(numticks=6))
         ax.xaxis.set_major_locator(LogLocator(numticks=6))
         ax.minorticks_off()
@@ -178,7 +184,7 @@ def precision_panels(table, problems, cost, label, chosen):
         if last:
             last[-1].set_xlabel(label)
     space(fig, bottom=0.23 * -(-len(drawn) // 3) + 0.1)
-    fig.legend(drawn.values(), drawn.keys(), loc="lower center", ncols=3)
+    fig.legend(drawn.values(), drawn.keys(), loc="lower center", ncols=3, frameon=False, fontsize=9)
     return fig, lost
 
 
@@ -203,7 +209,7 @@ def order_figure(run, key):
             far = off.loc[(off["order"] - off["nominal_order"]).abs().idxmax()]
             title += f"; farthest is {far['integrator']} on {far['problem'].replace('_', ' ')}, {far['order']:.2f} for {far['nominal_order']:g}"
     caption = (f"Error against the length of fixed steps; a straight line of slope p is an order of p. {lost} cases did not finish (crosses at "
-               f"the top). CPodes takes no fixed steps. {source(run)}")  # fmt: skip
+               f"the top; those of much shorter steps stand at the edge). CPodes takes no fixed steps. {source(run)}")  # fmt: skip
     return Figure(title, svg_of(fig), caption, table[["problem", "integrator", "fixed_step", "error", "status"]], key)
 
 
@@ -221,8 +227,8 @@ def orders_table(run):
     caption = (
         "Slope of log error over log step, by least squares; in brackets how many cases are fitted. Fitted are those from the first error of at "
         f"most {studies.LARGEST:g} on, as long as every finer case has a smaller error, and not below {studies.ROUNDING:g}, where rounding takes "
-        "over. ~: over force evaluations, where an integrator takes accuracies only. “rounding”: the coarsest step is already exact to that; a dash: "
-        "fewer than three cases are in the range. A contact has a kink: orders above 2 cannot be expected of bounces. " + source(run)
+        "over. Of those the longest stretch of three cases or more is taken whose "
+        f"slopes from case to case agree within {studies.AGREE:g}. ~: over force evaluations, where an integrator takes accuracies only. A dash: there is none. A contact has a kink: orders above 2 cannot be expected of bounces. " + source(run)
     )  # fmt: skip
     return Table("Fitted convergence orders beside the nominal ones", frame, caption)
 
@@ -287,9 +293,10 @@ def map_legend(fig, statuses):
     failed = [Patch(color=DARK, label=f"{letter}: {what}") for letter, what in dict.fromkeys(words)]
     columns = 1 if len(failed) < 3 else 2
     space(fig, top=0.5, bottom=0.22 * -(-len(failed) // columns) + 0.12 if failed else 0)
-    fig.legend(handles=patches, loc="upper center", ncols=4, title="finished; energy off its balance by")
+    fig.legend(handles=patches, loc="upper center", ncols=4, frameon=False, fontsize=9, title_fontsize=9,
+               title="finished; energy off its balance by")  # fmt: skip
     if failed:
-        fig.legend(handles=failed, loc="lower center", ncols=columns)
+        fig.legend(handles=failed, loc="lower center", ncols=columns, frameon=False, fontsize=9)
 
 
 def map_table(run, names):
@@ -303,7 +310,7 @@ def map_table(run, names):
 def heads_of(values):
     heads = []
     for value in values:
-        text = f"{value:g}" if 1e-3 <= abs(value) < 1e4 or value == 0 else f"{value:.0e}".replace("e+0", "e").replace("e+", "e").replace("e-0", "e-")
+        text = f"{value:g}" if 1e-3 <= abs(value) < 1e3 or value == 0 else f"{value:.0e}".replace("e+0", "e").replace("e+", "e").replace("e-0", "e-")
         heads.append(text)
     return heads
 
@@ -359,7 +366,7 @@ def factor_figure(run, names, key):
         cells = {(row["who"], row["value"]): cell(row) for _, row in mine.iterrows()}
         draw_map(ax, cells, rows, columns, heads_of(columns))
         factor = mine["factor"].iloc[0]
-        ax.set_title(mine["problem"].iloc[0].replace("_", " "), loc="left")
+        ax.set_title(mine["problem"].iloc[0].replace("_", " "), loc="left", fontsize=9.5)
         unit = studies.UNITS.get(factor)
         ax.set_xlabel(factor.replace("_", " ") + (f" ({unit})" if unit else ""))
     for ax in axes.ravel()[len(names) :]:
@@ -392,7 +399,7 @@ def recommendation_table(run, runs):
                                                                  "worst_energy_error": "worst energy error"})  # fmt: skip
     caption = (
         f"Cases of the sweeps over stiffness from {stiffness / studies.NEAR:g} to {stiffness * studies.NEAR:g} Pa. Holds: finished, with the energy within "
-        f"{studies.BOUND:.0%} of its balance all the time. Recommended is the one with the fewest force evaluations of those that hold in all. These are "
+        f"{100 * studies.BOUND:g} % of its balance all the time. Recommended is the one with the fewest force evaluations of those that hold in all. These are "
         "small scenes: what hundreds of bodies cost (a dense Jacobian of CPodes, Verlet's convergence) is not in them. " + " ".join(words)
     )  # fmt: skip
     return Table(title, frame.set_index("integrator"), caption)
@@ -479,7 +486,7 @@ def drift_figure(run, key):
             low, high = (np.array([reduce(values[a:b]) for a, b in zip(edges, edges[1:])]) for reduce in (np.fmin.reduce, np.fmax.reduce))
         ax.fill_between(time, low, high, color=PALETTE["sky"], linewidth=0, alpha=0.5)
         ax.plot(time, high, color=PALETTE["blue"])
-        ax.set_title(what.get(name, name.replace("_", " ")), loc="left")
+        ax.set_title(what.get(name, name.replace("_", " ")), loc="left", fontsize=9.5)
     axes[-1, 0].set_xlabel("time (s)")
     status = table.attrs["status"]
     ended = "" if status == "complete" else f" The integration {status.rstrip('.')}."
