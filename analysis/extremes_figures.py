@@ -30,7 +30,7 @@ def sections(runs):
                                   ("shape", "", extremes.error_by_shape)):  # fmt: skip
             parts.append(guarded(f"Error by {word}", by_figure, run, word, unit, table, f"{key}-{word}"))
         parts.append(guarded("Instability", instability_table, run))
-        found.append(Section(f"{pareto.title(run)}: answers", parts))
+        found.append(Section(f"{pareto.title(run)}: where answers fail", parts))
     return found
 
 

@@ -6,7 +6,7 @@ unfinished integration, cases left out) come first.
 
 import numpy as np
 
-from analysis import extremes, extremes_figures, pareto, studies
+from analysis import extremes, extremes_figures, pareto, study_tables
 from analysis.drawing import NotDrawn, listed, plain, time_text
 from analysis.figure import Points, Section
 from analysis.plots_error import number
@@ -35,7 +35,7 @@ def study(run, runs=()):
     """Findings of a study of integrators; runs: what stands beside it in the report."""
     if run.study is None:
         return []
-    table = studies.study_of(run)
+    table = study_tables.study_of(run)
     if table.empty:
         return ["The study has no cases."]
     return [*ended(table), *precision(run), *converged(run), *held(run), *recommended(run, runs), *went_wrong(run)]
@@ -52,7 +52,7 @@ def ended(table):
 
 def precision(run):
     """Who is cheapest for which precision, over the problems with a reference."""
-    best, found = studies.cheapest(run), []
+    best, found = study_tables.cheapest(run), []
     for threshold, rows in best.groupby("threshold", sort=False):
         reached = rows[rows["integrator"] != ""]
         if reached.empty:
@@ -75,7 +75,7 @@ def short(value):
 
 
 def converged(run):
-    fits = studies.orders(run)
+    fits = study_tables.orders(run)
     fits = fits[fits["order"].notna() & fits["nominal_order"].notna() & (fits["fitted_over"] == "step")]
     found = []
     for name, mine in fits.groupby("integrator", sort=False):
@@ -91,13 +91,13 @@ def converged(run):
 
 def held(run):
     """Of every sweep over one factor: who keeps the energy within BOUND everywhere, who not at all, who fails."""
-    table, found = studies.stability(run), []
+    table, found = study_tables.stability(run), []
     for sweep, mine in table.groupby("sweep", sort=False):
         factor, values = mine["factor"].iloc[0], sorted(mine["value"].unique())
-        unit = studies.UNITS.get(factor, "")
+        unit = study_tables.UNITS.get(factor, "")
         all_ = mine.groupby("integrator")["value"].nunique()
         whole = list(all_.index[all_ == len(values)])
-        good = studies.holds(mine).groupby(mine["integrator"], sort=False).all()
+        good = study_tables.holds(mine).groupby(mine["integrator"], sort=False).all()
         keep = [name for name in good.index if good[name] and name in whole]
         low, high = heads_of([values[0], values[-1]])
         where = f"over {factor.replace('_', ' ')} {low} to {high} {unit}".strip()
@@ -105,9 +105,9 @@ def held(run):
         if not whole:
             found.append(f"On the {problem} no integrator has all of {len(values)} values {where}; who holds everywhere cannot be said.")
         elif keep:
-            found.append(f"On the {problem} {listed(keep)} keep{'s' if len(keep) == 1 else ''} the energy within {100 * studies.BOUND:g} % {where}.")
+            found.append(f"On the {problem} {listed(keep)} keep{'s' if len(keep) == 1 else ''} the energy within {100 * study_tables.BOUND:g} % {where}.")
         else:
-            found.append(f"On the {problem} no integrator keeps the energy within {100 * studies.BOUND:g} % everywhere {where}.")
+            found.append(f"On the {problem} no integrator keeps the energy within {100 * study_tables.BOUND:g} % everywhere {where}.")
         lost = mine[~mine["finished"]]
         for name, some in lost.groupby("integrator", sort=False):
             why = listed(dict.fromkeys((FAILED.get(status) or OTHERWISE)[1] for status in some["status"]))
@@ -120,19 +120,19 @@ def held(run):
 
 
 def recommended(run, runs):
-    maps, _, _ = studies.parts(studies.study_of(run))
-    if not any(studies.varied(rows) == ["stiffness"] for _, rows in maps):
+    maps, _, _ = study_tables.parts(study_tables.study_of(run))
+    if not any(study_tables.varied(rows) == ["stiffness"] for _, rows in maps):
         return []
     found = []
-    others = studies.followed(run, [other for other in runs if other is not run])
-    stiffness = studies.default_stiffness(run)
+    others = study_tables.followed(run, [other for other in runs if other is not run])
+    stiffness = study_tables.default_stiffness(run)
     if stiffness == stiffness:
-        table = studies.recommendation(run, stiffness)
+        table = study_tables.recommendation(run, stiffness)
         best = table[table["recommended"]]
         if len(best):
             row = best.iloc[0]
             found.append(
-                f"Recommended near {stiffness:g} Pa: {row['integrator']} at {row['setting']}; it finishes all {row['of']} cases within {100 * studies.BOUND:g} % of the energy "
+                f"Recommended near {stiffness:g} Pa: {row['integrator']} at {row['setting']}; it finishes all {row['of']} cases within {100 * study_tables.BOUND:g} % of the energy "
                 f"(worst {row['worst_energy_error']:+.2%}) with the fewest force evaluations, {number(int(row['force_evaluations']))}."
             )  # fmt: skip
         elif len(table):
@@ -144,14 +144,14 @@ def recommended(run, runs):
 
 def went_wrong(run):
     """Extremes of the motion: per sweep what fails with whom, and what the greatest step is that stops a ball."""
-    table, told = studies.extremes_of_motion(run), {}
+    table, told = study_tables.extremes_of_motion(run), {}
     for (sweep, case), mine in table.groupby(["sweep", "case"], sort=False):
         told.setdefault((sweep, outcome(mine)), []).append(case)
     found = []
     for (sweep, text), cases in told.items():
         name = sweep[:1].upper() + sweep[1:].replace("_", " ")
         found.append(f"{name}{'' if cases == ['as it stands'] else ' (' + '; '.join(cases) + ')'}: {text}.")
-    plates = studies.tunnelling(run)
+    plates = study_tables.tunnelling(run)
     for (speed, thickness, stiffness), mine in plates.groupby(["speed", "thickness", "stiffness"], sort=False, dropna=False):
         steps = mine["preventing_step"].dropna()
         text = f"A ball at {speed:g} m/s against a plate of {thickness:g} m and {stiffness:g} Pa"
@@ -165,7 +165,7 @@ def went_wrong(run):
 
 def outcome(rows):
     """How one case went with the integrators that had it."""
-    good = studies.holds(rows, 0.1)
+    good = study_tables.holds(rows, 0.1)
     if good.all():
         return f"goes well with all {len(rows)} integrators (finished, energy within 10 %)"
     words = []
@@ -219,7 +219,7 @@ def drift(run):
     """Findings of a long integrated motion: energy, norms, depth and escapes, as far as they are recorded."""
     if run.physics is None or run.meta["steps"] < 2:
         return []
-    table = studies.drift(run)
+    table = study_tables.drift(run)
     found, seconds = [], table["time"].iloc[-1]
     if table.attrs["status"] != "complete":
         found.append(f"The integration {table.attrs['status'].rstrip('.')}; {int(table['energy'].notna().cumprod().sum())} of {number(len(table))} steps were reached.")

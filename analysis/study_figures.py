@@ -6,7 +6,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
 
-from analysis import pareto, studies
+from analysis import pareto, study_tables
 from analysis.drawing import BINS, guarded, listed
 from analysis.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
 from analysis.page import slug
@@ -61,8 +61,8 @@ def sections(runs, beside=None):
 def study_parts(run, runs, key):
     """Whatever the file has of: precision figures, orders, maps, recommendation, extremes."""
     try:
-        study = studies.study_of(run)
-        maps, precision, rest = studies.parts(study)
+        study = study_tables.study_of(run)
+        maps, precision, rest = study_tables.parts(study)
     except (KeyError, ValueError) as error:
         return [f"The study cannot be read: {error}."]
     if study.empty:
@@ -73,7 +73,7 @@ def study_parts(run, runs, key):
             found.append(guarded("Error against cost", precision_figure, run, cost, f"{key}-{cost.replace('_', '-')}"))
         found.append(guarded("Error against the step", order_figure, run, f"{key}-order"))
         found.append(guarded("Orders", orders_table, run))
-    stiff = [name for name, rows in maps if studies.varied(rows) == ["stiffness"]]
+    stiff = [name for name, rows in maps if study_tables.varied(rows) == ["stiffness"]]
     for name in stiff:
         found.append(guarded("The stability map", map_figure, run, name, f"{key}-map-{slug(name)}"))
     others = [name for name, _ in maps if name not in stiff]
@@ -119,8 +119,8 @@ def controlled(rows):
 
 
 def precision_figure(run, cost, key):
-    table = studies.work_precision(run)
-    title = precision_title(studies.cheapest(run, cost), "force evaluations" if cost == "force_evaluations" else "processor time")
+    table = study_tables.work_precision(run)
+    title = precision_title(study_tables.cheapest(run, cost), "force evaluations" if cost == "force_evaluations" else "processor time")
     wanted = table.groupby("problem", sort=False)["error"].count()
     fig, lost = precision_panels(table, [name for name in wanted.index if wanted[name]], cost,
                                  "force evaluations" if cost == "force_evaluations" else "processor time (s)", controlled)  # fmt: skip
@@ -137,7 +137,7 @@ def precision_figure(run, cost, key):
 def precision_title(best, word):
     reached = best[best["integrator"] != ""]
     if reached.empty:
-        return f"No integrator reaches an error of {studies.THRESHOLDS[0]:g} on any problem"
+        return f"No integrator reaches an error of {study_tables.THRESHOLDS[0]:g} on any problem"
     parts = []
     for threshold, rows in reached.groupby("threshold", sort=False):
         wins = rows["integrator"].value_counts()
@@ -195,7 +195,7 @@ def space(fig, top=0.0, bottom=0.0):
 
 
 def order_figure(run, key):
-    table, fits = studies.work_precision(run), studies.orders(run)
+    table, fits = study_tables.work_precision(run), study_tables.orders(run)
     table = table[table["fixed_step"].notna()]
     problems = [name for name in dict.fromkeys(table["problem"]) if table["error"][table["problem"] == name].notna().any()]
     fig, lost = precision_panels(table, problems, "fixed_step", "fixed step (s)", lambda rows: rows.sort_values("fixed_step"))
@@ -214,7 +214,7 @@ def order_figure(run, key):
 
 
 def orders_table(run):
-    fits = studies.orders(run)
+    fits = study_tables.orders(run)
     rows = {}
     for integrator, mine in fits.groupby("integrator", sort=False):
         nominal = mine["nominal_order"].iloc[0]
@@ -226,9 +226,9 @@ def orders_table(run):
     frame = pd.DataFrame.from_dict(rows, orient="index").rename_axis("integrator")
     caption = (
         "Slope of log error over log step, by least squares; in brackets how many cases are fitted. Fitted are those from the first error of at "
-        f"most {studies.LARGEST:g} on, as long as every finer case has a smaller error, and not below {studies.ROUNDING:g}, where rounding takes "
+        f"most {study_tables.LARGEST:g} on, as long as every finer case has a smaller error, and not below {study_tables.ROUNDING:g}, where rounding takes "
         "over. Of those the longest stretch of three cases or more is taken whose "
-        f"slopes from case to case agree within {studies.AGREE:g}. ~: over force evaluations, where an integrator takes accuracies only. A dash: there is none. A contact has a kink: orders above 2 cannot be expected of bounces. " + source(run)
+        f"slopes from case to case agree within {study_tables.AGREE:g}. ~: over force evaluations, where an integrator takes accuracies only. A dash: there is none. A contact has a kink: orders above 2 cannot be expected of bounces. " + source(run)
     )  # fmt: skip
     return Table("Fitted convergence orders beside the nominal ones", frame, caption)
 
@@ -300,7 +300,7 @@ def map_legend(fig, statuses):
 
 
 def map_table(run, names):
-    table = studies.stability(run)
+    table = study_tables.stability(run)
     table = table[table["sweep"].isin(names)]
     several = table.groupby("integrator")["setting"].nunique().max() > 1 if len(table) else False
     table["who"] = table["integrator"] + (", " + table["setting"] if several else "")
@@ -335,7 +335,7 @@ def map_figure(run, name, key):
 def map_title(table):
     """Who holds over the whole range, who fails."""
     problem = table["problem"].iloc[0].replace("_", " ")
-    good = studies.holds(table).groupby(table["who"], sort=False).all()
+    good = study_tables.holds(table).groupby(table["who"], sort=False).all()
     lost = table["who"][~table["finished"]].unique()
     where = range_text(table, "Pa")
     names = list(good.index[good])
@@ -367,12 +367,12 @@ def factor_figure(run, names, key):
         draw_map(ax, cells, rows, columns, heads_of(columns))
         factor = mine["factor"].iloc[0]
         ax.set_title(mine["problem"].iloc[0].replace("_", " "), loc="left", fontsize=9.5)
-        unit = studies.UNITS.get(factor)
+        unit = study_tables.UNITS.get(factor)
         ax.set_xlabel(factor.replace("_", " ") + (f" ({unit})" if unit else ""))
     for ax in axes.ravel()[len(names) :]:
         ax.set_axis_off()
     map_legend(fig, table["status"][~table["finished"]])
-    good = studies.holds(table)
+    good = study_tables.holds(table)
     best = good.groupby(table["who"], sort=False).all()
     worst = (~good).groupby(table["factor"]).mean()
     title = f"{listed(best.index[best])} keep{'s' if best.sum() == 1 else ''} the energy within 1 % whatever one factor is" if best.any() else (
@@ -382,24 +382,24 @@ def factor_figure(run, names, key):
 
 
 def recommendation_table(run, runs):
-    stiffness = studies.default_stiffness(run)
-    others = studies.followed(run, [other for other in runs if other is not run])
+    stiffness = study_tables.default_stiffness(run)
+    others = study_tables.followed(run, [other for other in runs if other is not run])
     if not stiffness == stiffness and len(others):
         stiffness = others["stiffness"].iloc[0]
     if not stiffness == stiffness:
         return "No recommendation: neither this file nor another of the report says which stiffness the scenes have."
-    table = studies.recommendation(run, stiffness)
+    table = study_tables.recommendation(run, stiffness)
     if table.empty:
-        return f"No recommendation: no case is within a factor of {studies.NEAR:g} of {stiffness:g} Pa."
+        return f"No recommendation: no case is within a factor of {study_tables.NEAR:g} of {stiffness:g} Pa."
     best = table[table["recommended"]]
     title = (f"Near {stiffness:g} Pa {best['integrator'].iloc[0]} at {best['setting'].iloc[0]} is the cheapest that holds" if len(best)
              else f"Near {stiffness:g} Pa no integrator is known to hold in all {table['of'].iloc[0]} cases")  # fmt: skip
     words = [follow_text(row) for row in others.itertuples()]
-    frame = table.drop(columns=studies.CONTROLS).rename(columns={"of": "of cases", "force_evaluations": "force evaluations",
+    frame = table.drop(columns=study_tables.CONTROLS).rename(columns={"of": "of cases", "force_evaluations": "force evaluations",
                                                                  "worst_energy_error": "worst energy error"})  # fmt: skip
     caption = (
-        f"Cases of the sweeps over stiffness from {stiffness / studies.NEAR:g} to {stiffness * studies.NEAR:g} Pa. Holds: finished, with the energy within "
-        f"{100 * studies.BOUND:g} % of its balance all the time. Recommended is the one with the fewest force evaluations of those that hold in all. These are "
+        f"Cases of the sweeps over stiffness from {stiffness / study_tables.NEAR:g} to {stiffness * study_tables.NEAR:g} Pa. Holds: finished, with the energy within "
+        f"{100 * study_tables.BOUND:g} % of its balance all the time. Recommended is the one with the fewest force evaluations of those that hold in all. These are "
         "small scenes: what hundreds of bodies cost (a dense Jacobian of CPodes, Verlet's convergence) is not in them. " + " ".join(words)
     )  # fmt: skip
     return Table(title, frame.set_index("integrator"), caption)
@@ -423,7 +423,7 @@ def follow_text(row):
 
 def extremes_figure(run, key):
     """Every extreme case over the integrators."""
-    table = studies.extremes_of_motion(run)
+    table = study_tables.extremes_of_motion(run)
     table["row"] = [wrapped(f"{sweep.replace('_', ' ')}: {case}".removesuffix(": as it stands")) for sweep, case in zip(table["sweep"], table["case"])]
     rows, columns = list(dict.fromkeys(table["row"])), list(dict.fromkeys(table["integrator"]))
     cells = {(row["row"], row["integrator"]): cell(row) for _, row in table.iterrows()}
@@ -432,7 +432,7 @@ def extremes_figure(run, key):
     draw_map(ax, cells, rows, columns, columns)
     ax.tick_params(axis="x", rotation=90)
     map_legend(fig, table["status"][~table["finished"]])
-    good = studies.holds(table, 0.1).groupby(table["row"], sort=False).mean()
+    good = study_tables.holds(table, 0.1).groupby(table["row"], sort=False).mean()
     none = [name.replace("\n", " ") for name in good.index[good == 0]]
     all_of = int((good == 1).sum())
     title = f"Of {len(good)} extreme cases {all_of} go well with every integrator and {len(none)} with none (finished, energy within 10 %)"
@@ -455,7 +455,7 @@ def wrapped(text, most=34):
 
 
 def tunnelling_table(run):
-    table = studies.tunnelling(run)
+    table = study_tables.tunnelling(run)
     if table.empty:
         return None
     found = table["preventing_step"].dropna()
@@ -474,7 +474,7 @@ def tunnelling_table(run):
 
 def drift_figure(run, key):
     """Energy, penetration, norms and escapes over the time of an integrated run, a panel each."""
-    table = studies.drift(run)
+    table = study_tables.drift(run)
     what = {"energy": "energy (J)", "quaternion_error": "norm of orientation, off 1", "greatest_penetration": "greatest penetration (m)"}
     names = [name for name in table.columns if name not in ("time", "energy_change") and table[name].notna().any()]
     fig, axes = figure(len(names), 1, height=1.35 * len(names) + 0.6, squeeze=False, sharex=True)
