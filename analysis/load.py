@@ -120,6 +120,26 @@ class Run:
             return file["motion/position"][()], file["motion/orientation"][()]
 
     @cached_property
+    def study(self):
+        """One row per case, indexed by its number; None when the result is not a study of integrators.
+
+        Columns: sweep, problem, integrator, units, status, reason (text); what a case is made of, NaN where its problem
+        has no such parameter: accuracy, fixed_step (s), nominal_order, duration (s), stiffness (Pa), ...; what came of
+        it: finished (bool), reached (s), error (relative or rad), position_error (m), orientation_error (rad),
+        energy_error, momentum_drift (1), greatest_penetration (m), smallest_step, preventing_step (s), steps,
+        rejected_steps, force_evaluations, time_ns (of processor).
+        """
+        with h5py.File(self.path) as file:
+            if "study" not in file:
+                return None
+            columns = {}
+            for name, data in file["study"].items():
+                if not h5py.h5ds.is_scale(data.id):
+                    columns[name] = (data.asstr() if data.dtype == object else data)[()]
+            case = file["study/case"][()]
+        return pd.DataFrame(columns, index=pd.Index(case, name="case")).astype({"finished": bool})
+
+    @cached_property
     def passes(self):
         """One row per pass and algorithm (P x A rows, pass by pass); None when the scene has no passes.
 
@@ -177,8 +197,8 @@ def load(path):
                 "use the analysis/load.py that came with the program that wrote it"
             )
         meta = dict(file.attrs) | {
-            "steps": file["step"].shape[0],
-            "rate": float(file["time"].attrs["rate"]),
+            "steps": file["step"].shape[0] if "step" in file else 0,
+            "rate": float(file["time"].attrs["rate"]) if "time" in file else float("nan"),
             "bodies": _names(file, "body"),
             "algorithms": _names(file, "algorithm"),
             "config": file["config"].asstr()[()],
