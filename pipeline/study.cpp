@@ -86,11 +86,13 @@ bool stops(const Study& study, const StudyRow& row, const Setting& setting, doub
   for (int phase = 0; phase < kPhases; ++phase) {
     Setting moved = setting;
     moved.physics.greatest_step = step;
+    StudyRow with_step = row;
+    if (row.fixed_step > 0) with_step.fixed_step = step;
     for (std::size_t b = 0; b < moved.bodies.size(); ++b)
       if (!moved.bodies[b].fixed) moved.states[b].position[1] -= row.speed * step * phase / kPhases;
     // Not from beyond the plate: a step that long cannot be judged, nor taken.
     if (moved.states.back().position[1] <= row.radius) return false;
-    const Run run = integrated(study, row, moved);
+    const Run run = integrated(study, with_step, moved);
     if (run.trace.ended != Ended::finished || went_through(moved, run.states)) return false;
   }
   return true;
@@ -184,6 +186,7 @@ StudyRow study_row(const Study& study, StudyRow row) {
   const Trace& trace = run.trace;
   row.status = status_of(trace.ended);
   row.reason = trace.reason;
+  if (!row.reason.empty() && row.units == "scaled") row.reason += ", in units of the problem";
   row.finished = trace.ended == Ended::finished;
   row.reached = trace.time;
   row.energy_error = trace.energy_error;
