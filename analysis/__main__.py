@@ -6,7 +6,7 @@ Exit codes as the pipeline's: 0 done, 2 the command line's grammar, 4 a file tha
 import argparse
 import sys
 
-from analysis import scenes
+from analysis import scenes, studies
 from analysis.load import load
 from analysis.statements import verdicts
 
@@ -18,9 +18,14 @@ def main(arguments=None):
     commands = parser.add_subparsers(dest="command", required=True)
     command = commands.add_parser("statements", help="judge the thesis's statements on results")
     command.add_argument("file", nargs="+", help="results of the box, falling and playground scenes, one of each")
+    command = commands.add_parser("study", help="orders, stability and recommendation of a study; drift of a long run")
+    command.add_argument("file", help="result of a study of integrators, or of an integrated scene")
     chosen = parser.parse_args(arguments)
     try:
-        print(table(verdicts(opened(chosen.file))))
+        if chosen.command == "study":
+            print(studies.text(load(chosen.file)))
+        else:
+            print(table(verdicts(opened(chosen.file))))
     except (OSError, KeyError, ValueError) as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         return 4

@@ -58,7 +58,8 @@ class Run:
 
     @cached_property
     def physics(self):
-        """One row per step, indexed by step; None when nothing was integrated. How it ended: attrs["status"].
+        """One row per step, indexed by step; None when nothing was integrated. How it ended: attrs["status"]; and
+        attrs["quaternion_drift"], the greatest deviation of a quaternion's norm from 1 in the integrator.
 
         Columns: energy, kinetic_energy (J), greatest_penetration (m), contacts; and since the step before:
         integrator_steps, rejected_steps, force_evaluations, time_ns, contact_time_ns.
@@ -68,7 +69,7 @@ class Run:
             return None
         table = pd.DataFrame(columns, index=pd.RangeIndex(self.meta["steps"], name="step"))
         with h5py.File(self.path) as file:
-            table.attrs["status"] = file["physics"].attrs["status"]
+            table.attrs.update({name: file["physics"].attrs[name] for name in file["physics"].attrs})
         return table
 
     def pairs(self, label):
