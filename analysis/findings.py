@@ -6,11 +6,11 @@ unfinished integration, cases left out) come first.
 
 import numpy as np
 
-from analysis import extremes, extremes_figures, pareto, study_tables
+from analysis import extremes, extremes_figures, pareto, studies, study_tables
 from analysis.drawing import NotDrawn, listed, plain, time_text
 from analysis.figure import Points, Section
 from analysis.plots_error import number
-from analysis.study_figures import FAILED, OTHERWISE, follow_text, heads_of
+from analysis.study_figures import FAILED, OTHERWISE, drift_words, follow_text, heads_of, steady
 
 
 def section(runs):
@@ -75,16 +75,15 @@ def short(value):
 
 
 def converged(run):
-    fits = study_tables.orders(run)
-    fits = fits[fits["order"].notna() & fits["nominal_order"].notna() & (fits["fitted_over"] == "step")]
+    fits = steady(studies.orders(run))
     found = []
     for name, mine in fits.groupby("integrator", sort=False):
-        nominal, low, high = mine["nominal_order"].iloc[0], mine["order"].min(), mine["order"].max()
+        nominal, low, high = mine["nominal"].iloc[0], mine["order"].min(), mine["order"].max()
         range_ = f"{low:.2f}" if f"{low:.2f}" == f"{high:.2f}" else f"{low:.2f} to {high:.2f}"
         off = mine[mine["order"] < nominal - 0.3]
         text = f"{name} converges with order {range_} on {len(mine)} problem{'s' if len(mine) > 1 else ''}; nominal is {nominal:g}"
         if len(off):
-            text += f", which it falls short of on {listed(off['problem'].str.replace('_', ' '))}"
+            text += f", which it falls short of on {listed(off['sweep'].str.replace('_', ' '))}"
         found.append(text + ".")
     return found
 
@@ -133,13 +132,21 @@ def recommended(run, runs):
             row = best.iloc[0]
             found.append(
                 f"Recommended near {stiffness:g} Pa: {row['integrator']} at {row['setting']}; it finishes all {row['of']} cases within {100 * study_tables.BOUND:g} % of the energy "
-                f"(worst {row['worst_energy_error']:+.2%}) with the fewest force evaluations, {number(int(row['force_evaluations']))}."
+                f"(worst {row['worst_energy_error']:+.2%}) with {number(int(row['force_evaluations']))} force evaluations; {cheap_text(table)}."
             )  # fmt: skip
         elif len(table):
             whole = table[table["cases"] == table["of"]]
             why = "nobody holds in all of them" if len(whole) else "nobody has all of them"
             found.append(f"Nothing is recommended near {stiffness:g} Pa: of {table['of'].iloc[0]} cases {why}.")
     return found + [follow_text(row) for row in others.itertuples()]
+
+
+def cheap_text(table):
+    cheap, best = (table[table[name]].iloc[0] for name in ("cheapest", "recommended"))
+    if cheap["integrator"] == best["integrator"] and cheap["setting"] == best["setting"]:
+        return "none that holds is cheaper"
+    return (f"{cheap['integrator']} at {cheap['setting']} holds with {number(int(cheap['force_evaluations']))}, the fewest, and is "
+            f"{cheap['energy_error'] / best['energy_error']:.2g} times less accurate")  # fmt: skip
 
 
 def went_wrong(run):
@@ -219,25 +226,20 @@ def drift(run):
     """Findings of a long integrated motion: energy, norms, depth and escapes, as far as they are recorded."""
     if run.physics is None or run.meta["steps"] < 2:
         return []
-    table = study_tables.drift(run)
-    found, seconds = [], table["time"].iloc[-1]
+    table, seconds, found = study_tables.drift_steps(run), 0.0, []
+    seconds = table["time"].iloc[-1]
     if table.attrs["status"] != "complete":
         found.append(f"The integration {table.attrs['status'].rstrip('.')}; {int(table['energy'].notna().cumprod().sum())} of {number(len(table))} steps were reached.")
-    change = table["energy_change"]
-    if table.attrs["lossless"] and change.notna().all():
+    change = table["energy_change"].dropna()
+    if table.attrs["lossless"] and len(change):
         worst = change.abs().max()
-        found.append(f"Nothing takes energy away; over {seconds:g} s it is off by {worst:.2%} of the first step's at most and by {change.iloc[-1]:+.2%} at the end"
-                     f"{', within' if worst <= 0.01 else ', more than'} the 1 % asked for.")  # fmt: skip
+        found.append(f"Nothing gives or takes energy; over {seconds:.4g} s it is off by {100 * worst:.2g} % at most and by {100 * change.iloc[-1]:+.2g} % at the end, "
+                     f"{'within' if worst <= studies.SOUND else 'more than'} {100 * studies.SOUND:g} %.")  # fmt: skip
     if "greatest_penetration" in table and table["greatest_penetration"].notna().any():
         deepest = table["greatest_penetration"].idxmax()
-        found.append(f"Over {seconds:g} s bodies sink into each other by {table['greatest_penetration'][deepest]:.3g} m at most, at {table['time'][deepest]:.3g} s.")
-    for name in table:
-        if "escape" in name and table[name].notna().any():
-            count = int(np.nanmax(table[name]))
-            found.append(f"{count if count else 'No'} {'body escapes' if count == 1 else 'bodies escape'} over {seconds:g} s.")
-        elif ("norm" in name or name.startswith("quaternion") and name != "quaternion_error") and table[name].notna().any():
-            found.append(f"{name.replace('_', ' ').capitalize()} is {np.nanmax(np.abs(table[name])):.2g} at most over {seconds:g} s.")
-    return found
+        found.append(f"Over {seconds:.4g} s bodies sink into each other by {table['greatest_penetration'][deepest]:.3g} m at most, at {table['time'][deepest]:.4g} s.")
+    more = drift_words(run)
+    return found + ([f"{more[:1].upper()}{more[1:]} over {seconds:.4g} s."] if more else [])
 
 
 def algorithms(run):

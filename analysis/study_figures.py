@@ -6,7 +6,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
 
-from analysis import pareto, study_tables
+from analysis import pareto, studies, study_tables
 from analysis.drawing import BINS, guarded, listed
 from analysis.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
 from analysis.page import slug
@@ -195,48 +195,61 @@ def space(fig, top=0.0, bottom=0.0):
 
 
 def order_figure(run, key):
-    table, fits = study_tables.work_precision(run), study_tables.orders(run)
+    table, fits = study_tables.work_precision(run), steady(studies.orders(run))
     table = table[table["fixed_step"].notna()]
     problems = [name for name in dict.fromkeys(table["problem"]) if table["error"][table["problem"] == name].notna().any()]
+    if not problems:
+        return "Error against the step: not drawn, no case with a fixed step has an error."
     fig, lost = precision_panels(table, problems, "fixed_step", "fixed step (s)", lambda rows: rows.sort_values("fixed_step"))
-    known = fits[fits["order"].notna() & fits["nominal_order"].notna()]
-    off = known[(known["order"] - known["nominal_order"]).abs() > 0.3]
-    if known.empty:
+    off = fits[(fits["order"] - fits["nominal"]).abs() > 0.3]
+    if fits.empty:
         title = "No convergence order can be fitted: fewer than three steps are in the asymptotic range"
     else:
-        title = f"{len(known) - len(off)} of {len(known)} fitted orders are within 0.3 of the nominal ones"
+        title = f"{len(fits) - len(off)} of {len(fits)} fitted orders are within 0.3 of the nominal ones"
         if len(off):
-            far = off.loc[(off["order"] - off["nominal_order"]).abs().idxmax()]
-            title += f"; farthest is {far['integrator']} on {far['problem'].replace('_', ' ')}, {far['order']:.2f} for {far['nominal_order']:g}"
-    caption = (f"Error against the length of fixed steps; a straight line of slope p is an order of p. {lost} cases did not finish (crosses at "
-               f"the top; those of much shorter steps stand at the edge). CPodes takes no fixed steps. {source(run)}")  # fmt: skip
+            far = off.loc[(off["order"] - off["nominal"]).abs().idxmax()]
+            title += f"; farthest is {far['integrator']} on {far['sweep'].replace('_', ' ')}, {far['order']:.2f} for {far['nominal']:g}"
+    caption = (
+        f"Error against the length of fixed steps; a straight line of slope p is an order of p. {lost} cases did not finish (crosses at the top; "
+        f"those of much shorter steps stand at the edge). CPodes takes no fixed steps. {source(run)}"
+    )  # fmt: skip
     return Figure(title, svg_of(fig), caption, table[["problem", "integrator", "fixed_step", "error", "status"]], key)
 
 
+STEADY = 0.3  # standard error of a slope: beyond, the points are on no line
+
+
+def steady(fits):
+    """Of studies.orders() those over fixed steps that are on a line and have a nominal order."""
+    fits = fits.reset_index()
+    return fits[(fits["by"] == "fixed_step") & fits["order"].notna() & (fits["spread"] <= STEADY) & fits["nominal"].notna()]
+
+
 def orders_table(run):
-    fits = study_tables.orders(run)
-    rows = {}
-    for integrator, mine in fits.groupby("integrator", sort=False):
-        nominal = mine["nominal_order"].iloc[0]
-        rows[integrator] = {"nominal": f"{nominal:g}" if nominal == nominal else "varies"} | {
-            fit["problem"].replace("_", " "): order_text(fit) for _, fit in mine.iterrows()
-        }
-    if not rows:
+    fits = studies.orders(run).reset_index()
+    if fits.empty:
         return None
-    frame = pd.DataFrame.from_dict(rows, orient="index").rename_axis("integrator")
+    rows = {}
+    for (integrator, by), mine in fits.groupby(["integrator", "by"], sort=False):
+        nominal = mine["nominal"].iloc[0]
+        rows[integrator, by] = {"nominal": f"{nominal:g}" if nominal == nominal else "varies"} | {
+            fit["sweep"].replace("_", " "): order_text(fit) for _, fit in mine.iterrows()
+        }
+    frame = pd.DataFrame.from_dict(rows, orient="index")
+    frame.insert(0, "over", [by.replace("_", " ") for _, by in rows])
+    frame.index = pd.Index([integrator for integrator, _ in rows], name="integrator")
     caption = (
-        "Slope of log error over log step, by least squares; in brackets how many cases are fitted. Fitted are those from the first error of at "
-        f"most {study_tables.LARGEST:g} on, as long as every finer case has a smaller error, and not below {study_tables.ROUNDING:g}, where rounding takes "
-        "over. Of those the longest stretch of three cases or more is taken whose "
-        f"slopes from case to case agree within {study_tables.AGREE:g}. ~: over force evaluations, where an integrator takes accuracies only. A dash: there is none. A contact has a kink: orders above 2 cannot be expected of bounces. " + source(run)
+        f"Slope of log error over log step by least squares, by accuracies over the mean step, and its standard error. Fitted are the finest {studies.FITTED} cases at most of "
+        f"those whose errors fall from {studies.COARSE:g} down to {studies.FLOOR:g}, where rounding takes over, from each step to the next shorter. Erratic: the standard error is "
+        f"above {STEADY:g}, the points are on no line; a dash: fewer than three cases are in the range. Where a contact begins within a step, the force has no second derivative. {source(run)}"
     )  # fmt: skip
-    return Table("Fitted convergence orders beside the nominal ones", frame, caption)
+    return Table("Fitted convergence orders beside the nominal ones", frame.fillna("–"), caption)
 
 
 def order_text(fit):
-    if fit["order"] == fit["order"]:
-        return f"{'~' if fit['fitted_over'] == 'evaluations' else ''}{fit['order']:.2f} ({fit['points']})"
-    return "–"
+    if not fit["order"] == fit["order"]:
+        return "–"
+    return f"{fit['order']:.2f} ± {fit['spread']:.2f}" if fit["spread"] <= STEADY else f"erratic ({fit['order']:.1f})"
 
 
 # ---- Maps ----------------------------------------------------------------------------------------------------------
@@ -392,14 +405,14 @@ def recommendation_table(run, runs):
     if table.empty:
         return f"No recommendation: no case is within a factor of {study_tables.NEAR:g} of {stiffness:g} Pa."
     best = table[table["recommended"]]
-    title = (f"Near {stiffness:g} Pa {best['integrator'].iloc[0]} at {best['setting'].iloc[0]} is the cheapest that holds" if len(best)
+    title = (f"Near {stiffness:g} Pa {best['integrator'].iloc[0]} at {best['setting'].iloc[0]} is recommended" if len(best)
              else f"Near {stiffness:g} Pa no integrator is known to hold in all {table['of'].iloc[0]} cases")  # fmt: skip
     words = [follow_text(row) for row in others.itertuples()]
     frame = table.drop(columns=study_tables.CONTROLS).rename(columns={"of": "of cases", "force_evaluations": "force evaluations",
-                                                                 "worst_energy_error": "worst energy error"})  # fmt: skip
+                                                                 "worst_energy_error": "worst energy error", "energy_error": "mean energy error"})  # fmt: skip
     caption = (
         f"Cases of the sweeps over stiffness from {stiffness / study_tables.NEAR:g} to {stiffness * study_tables.NEAR:g} Pa. Holds: finished, with the energy within "
-        f"{100 * study_tables.BOUND:g} % of its balance all the time. Recommended is the one with the fewest force evaluations of those that hold in all. These are "
+        f"{100 * study_tables.BOUND:g} % of its balance all the time. Recommended is, of those that hold in all and need at most {studies.DEARER:g} times the force evaluations of the cheapest, the most accurate (geometric mean). These are "
         "small scenes: what hundreds of bodies cost (a dense Jacobian of CPodes, Verlet's convergence) is not in them. " + " ".join(words)
     )  # fmt: skip
     return Table(title, frame.set_index("integrator"), caption)
@@ -473,38 +486,50 @@ def tunnelling_table(run):
 
 
 def drift_figure(run, key):
-    """Energy, penetration, norms and escapes over the time of an integrated run, a panel each."""
-    table = study_tables.drift(run)
-    what = {"energy": "energy (J)", "quaternion_error": "norm of orientation, off 1", "greatest_penetration": "greatest penetration (m)"}
-    names = [name for name in table.columns if name not in ("time", "energy_change") and table[name].notna().any()]
-    fig, axes = figure(len(names), 1, height=1.35 * len(names) + 0.6, squeeze=False, sharex=True)
+    """Energy and penetration over the time of an integrated run, a panel each."""
+    table = study_tables.drift_steps(run)
+    what = {"energy": "energy (J)", "energy_change": "energy, off the first (1)", "greatest_penetration": "greatest penetration (m)"}
+    names = [name for name in what if name in table and table[name].notna().any() and (name != "energy_change" or table.attrs["lossless"])]
+    if not names:
+        return "Drift: not drawn, no energy is recorded."
+    fig, axes = figure(len(names), 1, height=1.45 * len(names) + 0.6, squeeze=False, sharex=True)
     for ax, name in zip(axes[:, 0], names):
         values = table[name].to_numpy(float)
         edges = np.linspace(0, len(values), min(BINS, len(values)) + 1).astype(int)
         time = [table["time"].iloc[a:b].mean() for a, b in zip(edges, edges[1:])]
-        with np.errstate(all="ignore"):
-            low, high = (np.array([reduce(values[a:b]) for a, b in zip(edges, edges[1:])]) for reduce in (np.fmin.reduce, np.fmax.reduce))
+        low, high = (np.array([reduce(values[a:b]) for a, b in zip(edges, edges[1:])]) for reduce in (np.fmin.reduce, np.fmax.reduce))
         ax.fill_between(time, low, high, color=PALETTE["sky"], linewidth=0, alpha=0.5)
         ax.plot(time, high, color=PALETTE["blue"])
-        ax.set_title(what.get(name, name.replace("_", " ")), loc="left", fontsize=9.5)
+        ax.set_title(what[name], loc="left", fontsize=9.5)
     axes[-1, 0].set_xlabel("time (s)")
     status = table.attrs["status"]
     ended = "" if status == "complete" else f" The integration {status.rstrip('.')}."
-    caption = (f"{number(len(table))} steps; the band is from the least to the greatest of each stretch of steps. Energy is compared with that of the first step; norms "
-               f"are of the orientations as stored, where they are normalised.{ended} {source(run)}")  # fmt: skip
-    return Figure(drift_title(run, table), svg_of(fig), caption, table.iloc[:: max(1, len(table) // 60)], key)
+    more = drift_words(run)
+    caption = (f"{number(len(table))} steps; the band is from the least to the greatest of each stretch of steps.{ended} "
+               f"{more[:1].upper() + more[1:] + '. ' if more else ''}{source(run)}")  # fmt: skip
+    return Figure(drift_title(table), svg_of(fig), caption, table.iloc[:: max(1, len(table) // 60)], key)
 
 
-def drift_title(run, table):
-    change = table["energy_change"].dropna()
-    if change.empty or not table["energy"].notna().all():
-        text = f"The energy is recorded for {table['energy'].notna().sum()} of {len(table)} steps"
-    elif table.attrs["lossless"]:
-        text = f"Nothing takes energy away, and it stays within {change.abs().max():.2%} of the first step's"
+def drift_words(run):
+    """What is recorded of quaternions and of bodies that left, as words; "" for nothing."""
+    norm, words = run.physics.attrs.get("quaternion_drift", np.nan), []
+    if norm == norm:
+        words.append(f"norms of the integrator's quaternions are off 1 by {norm:.2g} at most")
+    try:
+        count = studies.escaped(run)
+        words.append(f"{count or 'no'} {'body' if count == 1 else 'bodies'} escaped")
+    except (KeyError, IndexError, AttributeError, ValueError, TypeError):
+        pass  # a file without motion or bodies
+    return "; ".join(words)
+
+
+def drift_title(table):
+    change, energy = table["energy_change"].dropna(), table["energy"].dropna()
+    if energy.empty:
+        text = "No energy is recorded"
+    elif table.attrs["lossless"] and len(change):
+        text = f"Nothing gives or takes energy, and it is off by {100 * change.abs().max():.2g} % at most"
     else:
-        text = f"The energy goes from {table['energy'].iloc[0]:.3g} to {table['energy'].iloc[-1]:.3g} J"
-    escaped = [name for name in table if "escape" in name]
-    if escaped:
-        text += f"; {int(np.nanmax(table[escaped[0]]))} bodies escape"
+        text = f"The energy goes from {energy.iloc[0]:.3g} to {energy.iloc[-1]:.3g} J"
     depth = table["greatest_penetration"].max() if "greatest_penetration" in table else np.nan
     return f"{text}; bodies sink into each other by {depth:.2g} m at most" if depth == depth else text

@@ -1,14 +1,17 @@
-"""Studies of the integrators: what they cost, where they hold, and how far long runs drift.
+"""What the report draws of studies of integrators: cases by what they vary, who is cheapest, who may be recommended.
 
 Functions from a Run with a study (one row per case) to tables. Sweeps are told apart by what varies in them, not by name:
 one that varies a single FACTOR is a map of integrators over that factor; cases that differ in accuracy or fixed step
-alone are a work-precision problem; every other case is an extreme. A case that did not finish stays in every table.
+alone are a work-precision problem; every other case is an extreme. A case that did not finish stays in every table. Orders, verdicts and the
+rule of the recommendation are studies.py's.
 """
 
 import tomllib
 
 import numpy as np
 import pandas as pd
+
+from analysis import studies
 
 PARAMETERS = [
     "units", "duration", "greatest_step", "radius", "thickness", "offset", "mass", "inertia", "balls", "mass_ratio",
@@ -19,21 +22,15 @@ FACTORS = ["stiffness", "mass_ratio", "transition_velocity", "dissipation"]
 UNITS = {"stiffness": "Pa", "transition_velocity": "m/s", "dissipation": "s/m", "offset": "m", "radius": "m", "mass": "kg",
          "greatest_step": "s", "speed": "m/s", "duration": "s", "thickness": "m", "inertia": "kg m²"}  # fmt: skip
 THRESHOLDS = (1e-3, 1e-6, 1e-9)
-BOUND = 0.01  # of the problem's energy: what the recommendation allows
+BOUND = studies.SOUND  # of the problem's energy
 NEAR = 10.0  # stiffness at most so many times smaller or greater than the scenes' counts as near
-AGREE = 0.5  # how far the slopes between neighbouring cases of one fit differ at most
-LARGEST, ROUNDING = 1e-2, 1e-11  # errors between which an order is fitted
 
 
 def study_of(run):
     """The rows of a study. Raises ValueError when the run is none."""
     if run.study is None:
         raise ValueError(f"{run.path}: is no study of integrators (it has no group /study)")
-    table = run.study.copy()
-    table["finished"] = table["finished"].astype(bool)
-    for name in ["sweep", "problem", "integrator", "units", "status", "reason"]:
-        table[name] = table[name].astype(str)
-    return table
+    return run.study
 
 
 def varied(rows, names=PARAMETERS):
@@ -114,60 +111,6 @@ def cheapest(run, cost="force_evaluations"):
     return pd.DataFrame(found, columns=["problem", "threshold", "integrator", "setting", "cost", "runner_up", "times"])
 
 
-def orders(run):
-    """Convergence orders, fitted and nominal: one row per problem and integrator with a reference.
-
-    The order is the slope of log error over log step by least squares, where the step is fixed; over force evaluations
-    where an integrator takes accuracies only (fitted_over). Fitted are the cases in the asymptotic range: from the
-    first error of at most 1e-2 on, as long as every finer case has a smaller error, and not below 1e-11, where rounding
-    takes over; of those the longest stretch, three at least, whose slopes from case to case agree within AGREE (of equally
-    long ones the finest): an integrator that meets a kink gives erratic slopes and no order. Columns: problem, integrator, nominal_order (NaN: it varies), order (NaN: too few),
-    points, from_error, to_error, fitted_over.
-    """
-    found = []
-    for problem, rows in parts(study_of(run))[1]:
-        if not (rows["error"] > 0).any():
-            continue
-        for integrator, mine in rows.groupby("integrator", sort=False):
-            fixed = mine["fixed_step"].notna()
-            if fixed.sum() >= 3:
-                over, x = mine[fixed], mine["fixed_step"][fixed]
-            else:
-                over, x = mine[~fixed], 1 / mine["force_evaluations"][~fixed].astype(float).replace(0, np.nan)
-            order, points = fitted(x.to_numpy(float), over["error"].where(over["finished"]).to_numpy(float))
-            found.append((problem, integrator, mine["nominal_order"].iloc[0], order, len(points),
-                          points[0] if points else np.nan, points[-1] if points else np.nan,
-                          "step" if fixed.sum() >= 3 else "evaluations"))  # fmt: skip
-    names = ["problem", "integrator", "nominal_order", "order", "points", "from_error", "to_error", "fitted_over"]
-    return pd.DataFrame(found, columns=names)
-
-
-def fitted(step, error):
-    """(slope, errors that are fitted, coarse to fine) as orders() says; (NaN, []) when there is no such stretch."""
-    good = np.isfinite(step) & np.isfinite(error) & (step > 0)
-    order = np.argsort(-step[good], kind="stable")
-    points = []
-    for h, e in zip(step[good][order], error[good][order]):
-        if e > LARGEST and not points:
-            continue
-        if e < ROUNDING or (points and (e >= points[-1][1] or h >= points[-1][0])):
-            break
-        points.append((h, e))
-    if len(points) < 3:
-        return np.nan, []
-    h, e = np.log(np.array(points).T)
-    slopes = np.diff(e) / np.diff(h)
-    best = (0, 0)
-    for first in range(len(slopes)):
-        for last in range(first + 2, len(slopes) + 1):
-            if np.ptp(slopes[first:last]) <= AGREE and last - first >= best[1] - best[0]:
-                best = (first, last)
-    if best[1] == 0:
-        return np.nan, []
-    stretch = slice(best[0], best[1] + 1)
-    return float(np.polyfit(h[stretch], e[stretch], 1)[0]), list(np.exp(e[stretch]))
-
-
 def stability(run):
     """Where integrators hold. One row per case of a sweep over one factor.
 
@@ -207,12 +150,13 @@ def recommendation(run, stiffness=None, bound=BOUND):
 
     Judged are the cases of the sweeps over stiffness at most NEAR times from it. Columns: integrator, setting, accuracy,
     fixed_step, cases, of (cases that somebody has), holds (how many finish within `bound`), worst_energy_error,
-    force_evaluations (sum), recommended (the one with the fewest evaluations of those that hold in all; none when
-    nobody holds, or nobody has all cases). Sorted: those that hold in all first, by evaluations.
+    energy_error (geometric mean), force_evaluations (sum), cheapest (it needs the fewest of those that hold in all),
+    recommended (of those that hold in all and need at most studies.DEARER times as many as the cheapest, the most
+    accurate; none when nobody holds, or nobody has all cases). Sorted: those that hold in all first, by evaluations.
     """
     stiffness = default_stiffness(run) if stiffness is None else stiffness
-    names = ["integrator", "setting", *CONTROLS, "cases", "of", "holds", "worst_energy_error", "force_evaluations",
-             "recommended"]  # fmt: skip
+    names = ["integrator", "setting", *CONTROLS, "cases", "of", "holds", "worst_energy_error", "energy_error",
+             "force_evaluations", "cheapest", "recommended"]  # fmt: skip
     near = []
     for name, rows in parts(study_of(run))[0]:
         if varied(rows) == ["stiffness"]:
@@ -226,13 +170,16 @@ def recommendation(run, stiffness=None, bound=BOUND):
     for (integrator, accuracy, step), rows in near.groupby(["integrator", *CONTROLS], dropna=False, sort=False):
         worst = rows["energy_error"].iloc[rows["energy_error"].abs().fillna(np.inf).argmax()]
         found.append((integrator, setting(rows.iloc[0]), accuracy, step, len(rows), of, int(holds(rows, bound).sum()),
-                      float(worst), int(rows["force_evaluations"].sum()), False))  # fmt: skip
+                      float(worst), studies.geometric(rows["energy_error"].abs().clip(lower=1e-16)),
+                      int(rows["force_evaluations"].sum()), False, False))  # fmt: skip
     table = pd.DataFrame(found, columns=names)
     full = (table["cases"] == of) & (table["holds"] == of)
     table = table.assign(full=full).sort_values(["full", "force_evaluations"], ascending=[False, True], kind="stable")
     table = table.reset_index(drop=True)
     if len(table) and table["full"].iloc[0]:
-        table.loc[0, "recommended"] = True
+        table.loc[0, "cheapest"] = True
+        near_cheapest = table[table["full"] & (table["force_evaluations"] <= studies.DEARER * table["force_evaluations"].iloc[0])]
+        table.loc[near_cheapest["energy_error"].idxmin(), "recommended"] = True
     return table.drop(columns="full")
 
 
@@ -268,8 +215,12 @@ def followed(run, others):
 
 def physics_of(run):
     """The table [physics] of a run's configuration after defaults; empty when there is none."""
+    return table_of(run, "physics")
+
+
+def table_of(run, name):
     try:
-        return dict(tomllib.loads(run.meta.get("config_effective", "")).get("physics", {}))
+        return dict(tomllib.loads(run.meta.get("config_effective", "")).get(name, {}))
     except (tomllib.TOMLDecodeError, TypeError):
         return {}
 
@@ -285,8 +236,8 @@ def extremes_of_motion(run):
     rest, tables = parts(study_of(run))[2], []
     for _, rows in rest.groupby("sweep", sort=False):
         names = varied(rows)
-        both = rows.groupby("integrator")["accuracy"].nunique().max() > 1 or rows.groupby("integrator")["fixed_step"].nunique().max() > 1
-        words = [case_text(row, names, both) for _, row in rows.iterrows()]
+        several = rows.groupby("integrator")[CONTROLS].nunique().max().max() > 1
+        words = [case_text(row, names, several) for _, row in rows.iterrows()]
         tables.append(rows.assign(case=words))
     return pd.concat(tables, ignore_index=True)[columns] if tables else pd.DataFrame(columns=columns)
 
@@ -298,9 +249,10 @@ def case_text(row, names, control):
         if isinstance(value, str):
             words.append(value)
         elif value == value:
-            words.append(f"{name.replace('_', ' ')} {value:g} {UNITS.get(name, '')}".strip())
-    if control:
-        words.append(setting(row))
+            words.append(f"{name.replace('_', ' ')} {value:g}\u00a0{UNITS.get(name, '')}".strip())
+    if control:  # who takes no accuracy gets the same number as a step
+        value = row["accuracy"] if row["accuracy"] == row["accuracy"] else row["fixed_step"]
+        words.append(f"accuracy (or step) {value:g}")
     return ", ".join(words) or "as it stands"
 
 
@@ -321,13 +273,12 @@ def tunnelling(run):
     return pd.DataFrame(found, columns=[*keys, "went_through", "stopped", "preventing_step"])
 
 
-def drift(run):
+def drift_steps(run):
     """How an integrated run drifts, step by step; None when nothing was integrated.
 
-    Columns: time (s), energy (J), energy_change (over the energy at the first step; NaN when that is 0), quaternion_error
-    (greatest deviation of a norm from 1 among stored orientations, 1), greatest_penetration (m), and what else /physics
-    records of norms and of bodies that escaped. attrs: status; lossless (the configuration takes no energy away: then
-    energy_change is an error).
+    Columns: time (s), energy (J), energy_change (over the first energy that is not 0; NaN before and without one),
+    greatest_penetration (m). attrs: status; lossless (by the configuration nothing gives or takes energy after the
+    first step: then energy_change is an error).
     """
     if run.physics is None or not len(run.physics):
         return None
@@ -335,23 +286,24 @@ def drift(run):
     rate = run.meta.get("rate", np.nan)
     table = pd.DataFrame({"time": np.arange(len(physics)) / (rate if rate == rate and rate > 0 else 1.0)})
     table["energy"] = physics["energy"].astype(float)
-    first = table["energy"].iloc[0]
-    table["energy_change"] = table["energy"] / first - 1 if first else np.nan
-    try:
-        orientation = run.motion[1]
-        square = np.sum(orientation * orientation, axis=2)
-        there = np.isfinite(square).any(axis=1)
-        error = np.full(len(square), np.nan)
-        error[there] = np.nanmax(np.abs(np.sqrt(square[there]) - 1), axis=1)
-        if len(error) == len(table):
-            table["quaternion_error"] = error
-    except (KeyError, AttributeError):
-        pass  # a file without its motion
-    for name in physics.columns:
-        if name == "greatest_penetration" or "quaternion" in name or "norm" in name or "escape" in name:
-            table[name] = physics[name].astype(float)
-    options = physics_of(run)
-    losses = ["dissipation", "static_friction", "dynamic_friction", "viscous_friction", "linear_damping", "angular_damping"]
+    there = np.flatnonzero(np.isfinite(table["energy"]) & (table["energy"] != 0))
+    table["energy_change"] = np.nan
+    if len(there):
+        table.loc[there[0] :, "energy_change"] = table["energy"][there[0] :] / table["energy"][there[0]] - 1
+    if "greatest_penetration" in physics:
+        table["greatest_penetration"] = physics["greatest_penetration"].astype(float)
     table.attrs["status"] = run.physics.attrs.get("status", "complete")
-    table.attrs["lossless"] = "dissipation" in options and not any(options.get(name) for name in losses)
+    table.attrs["lossless"] = lossless(run)
     return table
+
+
+def lossless(run):
+    """Whether by its configuration a run has no losses, and no births and pushes after its first step."""
+    options, scene = physics_of(run), table_of(run, "scene")
+    losses = ["dissipation", "static_friction", "dynamic_friction", "viscous_friction", "linear_damping", "angular_damping"]
+    if "dissipation" not in options or any(options.get(name) for name in losses):
+        return False
+    if (run.bodies["first_step"] > 0).any():
+        return False
+    push = scene.get("push", {})
+    return not push.get("speed") or (push.get("from", 0) <= 0 and push.get("every", 0) >= run.meta["steps"])

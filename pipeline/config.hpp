@@ -118,7 +118,7 @@ struct AlgorithmChoice {
 struct Sweep {
   std::string name, problem;
   std::vector<std::string> integrators;
-  std::vector<double> accuracies;                                   // for those that control their error
+  std::vector<double> accuracies;                                   // a step in s for those that control no error
   std::vector<double> fixed_steps;                                  // s, for those that take one
   std::vector<std::string> units;                                   // "SI" or "scaled"
   std::vector<std::pair<std::string, std::vector<double>>> values;  // of the problem's parameters, all of them

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <concepts>
 #include <cstring>
 #include <numeric>
@@ -216,6 +217,7 @@ Group motion(const Result& result, const Sizes& n) {
 
 Group physics(const PhysicsRows& physics, const Sizes& n) {
   Group group{"/physics", {{"status", physics.status}}, {}};
+  if (!std::isnan(physics.quaternion_drift)) group.attributes.push_back({"quaternion_drift", physics.quaternion_drift});
   assert(physics.rows.size() == n.step.size && "a row for every step");
   const auto add = [&]<typename Stored>(const auto& columns, Stored) {
     for (const auto& column : columns) {

@@ -194,7 +194,7 @@ inline constexpr Column<StudyRow, double> kStudyReals[] = {
     {"greatest_penetration", &StudyRow::greatest_penetration, "m", "greatest depth of a contact after a step"},
     {"smallest_step", &StudyRow::smallest_step, "s", "shortest step but the last"},
     {"preventing_step", &StudyRow::preventing_step, "s",
-     "of thin_plate: the greatest step that stops the ball, from whatever phase; NaN: none was found"}};
+     "where the ball tunnelled: the greatest step that stops it, from whatever phase; NaN: none was found"}};
 inline constexpr Column<StudyRow, std::uint64_t> kStudyCounts[] = {
     {"steps", &StudyRow::steps, "1", "internal steps"},
     {"rejected_steps", &StudyRow::rejected_steps, "1", "internal steps tried and rejected"},

@@ -137,7 +137,8 @@ Setting top(const StudyRow& row) {
   return out;
 }
 
-/// A ball of 0.1 m on a rod of 1 m that is let go at 2 rad.
+/// A ball of 0.1 m on a rod of 1 m that is let go at 2 rad. Within 1 s methods of even order still err in one sense:
+/// later their errors of phase and of amplitude, of neighbouring orders, cancel at some step.
 Setting pendulum(const StudyRow& row) {
   constexpr double kRod = 1, kAngle = 2;
   const double radius = 0.1, mass = ball_mass(radius);
@@ -288,7 +289,7 @@ const std::vector<Problem>& problems() {
        top},
       {"pendulum",
        "a ball on a rod swings from 2 rad; reference: an elliptic function",
-       {{"duration", 4}, {"greatest_step", 0.1}},
+       {{"duration", 1}, {"greatest_step", 0.1}},
        pendulum},
       {"two_balls",
        "two balls meet head on in free space without loss; reference: closed form of Hertz and momentum",

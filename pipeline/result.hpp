@@ -104,6 +104,8 @@ struct Passes {
 struct PhysicsRows {
   std::vector<PhysicsSample> rows;  // S
   std::string status;               // "complete", or "failed at step K: why"
+  // Greatest | |q| - 1 | of the integrator's quaternions at samples, before they become poses; NaN: not known.
+  double quaternion_drift = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// One case of a study of the integrators: a row of /study. A parameter that its problem does not have is NaN.

@@ -218,6 +218,9 @@ class Reader {
   explicit Reader(hid_t file) : file_(file) {}
 
   bool has(const std::string& path) const { return h5::exists(file_, path); }
+  bool has_attribute(const std::string& object, const std::string& name) const {
+    return H5Aexists_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
+  }
 
   template <typename T>
   T attribute(const std::string& object, const std::string& name) const {
@@ -342,6 +345,8 @@ std::vector<std::vector<geometry::Pose>> read_motion(const Reader& from, std::ui
 PhysicsRows read_physics(const Reader& from, std::uint64_t steps) {
   PhysicsRows physics;
   physics.status = from.attribute<std::string>("/physics", "status");
+  if (from.has_attribute("/physics", "quaternion_drift"))
+    physics.quaternion_drift = from.attribute<double>("/physics", "quaternion_drift");
   physics.rows.resize(steps);
   const auto fill = [&]<typename Stored>(const auto& columns, Type type, Stored) {
     for (const auto& column : columns) {

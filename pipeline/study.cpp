@@ -10,6 +10,7 @@
 #include "pipeline/child.hpp"
 #include "pipeline/layout.hpp"
 #include "pipeline/problem.hpp"
+#include "pipeline/words.hpp"
 
 namespace pipeline {
 namespace {
@@ -19,9 +20,10 @@ constexpr std::int64_t kShort_ns = 20'000'000;  // an integration shorter than t
 constexpr int kMostRepeats = 5;
 constexpr double kWallPerProcessor = 20;  // a busy machine gives a process no less than this share
 
+/// Of this thread: under a limit of processor time the clock of the whole process moves by ticks of 4 ms (measured).
 std::int64_t processor_ns() {
   timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
 }
 
@@ -84,25 +86,27 @@ bool stops(const Study& study, const StudyRow& row, const Setting& setting, doub
   for (int phase = 0; phase < kPhases; ++phase) {
     Setting moved = setting;
     moved.physics.greatest_step = step;
+    StudyRow with_step = row;
+    if (row.fixed_step > 0) with_step.fixed_step = step;
     for (std::size_t b = 0; b < moved.bodies.size(); ++b)
       if (!moved.bodies[b].fixed) moved.states[b].position[1] -= row.speed * step * phase / kPhases;
     // Not from beyond the plate: a step that long cannot be judged, nor taken.
     if (moved.states.back().position[1] <= row.radius) return false;
-    const Run run = integrated(study, row, moved);
+    const Run run = integrated(study, with_step, moved);
     if (run.trace.ended != Ended::finished || went_through(moved, run.states)) return false;
   }
   return true;
 }
 
-/// By bisection to 1 %; NaN when even 2^-20 of the duration does not stop it.
+/// By bisection to 2 %; NaN when even 2^-14 of the duration does not stop it.
 double preventing_step(const Study& study, const StudyRow& row, const Setting& setting) {
   double passes = row.duration, holds = passes;
   do {
     passes = holds;
     holds /= 2;
-    if (holds < std::ldexp(row.duration, -20)) return StudyRow::kNone;
+    if (holds < std::ldexp(row.duration, -14)) return StudyRow::kNone;
   } while (!stops(study, row, setting, holds));
-  while (passes > 1.01 * holds) {
+  while (passes > 1.02 * holds) {
     const double middle = std::sqrt(passes * holds);
     (stops(study, row, setting, middle) ? holds : passes) = middle;
   }
@@ -162,6 +166,12 @@ StudyRow row_of(const std::string& bytes) {
 StudyRow study_row(const Study& study, StudyRow row) {
   const Problem& problem = *std::ranges::find(problems(), row.problem, &Problem::name);
   const Setting setting = problem.make(row);
+  if (row.fixed_step > 0 && row.duration / row.fixed_step > double(study.force_evaluations)) {
+    row.status = status_of(Ended::evaluations);
+    row.reason = "not begun: it would take " + real_text(std::ceil(row.duration / row.fixed_step)) + " steps";
+    row.reached = 0;
+    return row;
+  }
   Run run;
   try {
     run = integrated(study, row, setting);
@@ -176,6 +186,7 @@ StudyRow study_row(const Study& study, StudyRow row) {
   const Trace& trace = run.trace;
   row.status = status_of(trace.ended);
   row.reason = trace.reason;
+  if (!row.reason.empty() && row.units == "scaled") row.reason += ", in units of the problem";
   row.finished = trace.ended == Ended::finished;
   row.reached = trace.time;
   row.energy_error = trace.energy_error;
@@ -191,7 +202,7 @@ StudyRow study_row(const Study& study, StudyRow row) {
     row.reason = "the ball is on the other side of the plate";
   }
   if (row.finished) compare(setting, run.states, row);
-  if (row.problem == "thin_plate") row.preventing_step = preventing_step(study, row, setting);
+  if (row.status == "tunnelled") row.preventing_step = preventing_step(study, row, setting);
   return row;
 }
 

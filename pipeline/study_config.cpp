@@ -95,12 +95,14 @@ void expand(const Sweep& sweep, const Add& add) {
         for (std::size_t i = 0; i < at.size(); ++i)
           parameter(row, sweep.values[i].first) = sweep.values[i].second[at[i]];
         complete(row);
-        if (facts.error_control)
-          for (const double accuracy : sweep.accuracies) {
-            row.accuracy = accuracy;
-            row.fixed_step = StudyRow::kNone;
-            add(row);
-          }
+        for (const double accuracy : sweep.accuracies) {
+          // The accuracy of an integrator without error control is its step, as in [physics].
+          const bool is_step = !facts.error_control;
+          if (is_step && std::ranges::count(sweep.fixed_steps, accuracy) > 0) continue;
+          row.accuracy = is_step ? StudyRow::kNone : accuracy;
+          row.fixed_step = is_step ? accuracy : StudyRow::kNone;
+          add(row);
+        }
         if (facts.fixed_step)
           for (const double step : sweep.fixed_steps) {
             row.accuracy = StudyRow::kNone;
@@ -148,10 +150,7 @@ Config study_config(const Section& root, const std::string& text, const std::fil
     if (all > double(kMostCases)) s.fail("a study must have at most " + std::to_string(kMostCases) + " cases");
     bool any = false;
     expand(added, [&](const StudyRow&) { any = true; });
-    if (!any)
-      s.fail(
-          "the sweep must have a case: give 'accuracy' for integrators that control their error, 'fixed_step' for "
-          "those that do not");
+    if (!any) s.fail("the sweep must have a case: its integrators take no fixed step; give 'accuracy'");
   }
   if (study.sweeps.empty()) root.fail("missing [[sweep]]; write [[sweep]] and below it problem = \"pendulum\"");
   config.effective = effective(config);
