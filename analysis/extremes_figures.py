@@ -83,10 +83,13 @@ def gap_figure(run, key):
         base = len(labels) - 1 - row
         mine = shown[shown["algorithm"] == label]
         x = mine["gap_class"].map(place).to_numpy(float)
+        foot = np.full(len(mine), float(base))
         for column, colour in (("missed", MISSED), ("invented", INVENTED)):
             # A share too small to be seen is given a visible foot: nothing wrong is told from little.
             height = mine[column].fillna(0).to_numpy(float)
-            ax.bar(x, np.where(height > 0, np.maximum(0.82 * height, 0.05), 0), 0.92, bottom=base, color=colour, linewidth=0)
+            height = np.where(height > 0, np.maximum(0.82 * height, 0.05), 0)
+            ax.bar(x, height, 0.92, bottom=foot, color=colour, linewidth=0)
+            foot = foot + height
         silent = mine["wrong"].isna().to_numpy()
         ax.plot(x[silent], np.full(silent.sum(), base + 0.35), "x", color="#333333", markersize=4)
         ax.axhline(base, color="#999999", linewidth=0.6)

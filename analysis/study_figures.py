@@ -471,10 +471,14 @@ def tunnelling_table(run):
     table = study_tables.tunnelling(run)
     if table.empty:
         return None
-    found = table["preventing_step"].dropna()
-    through = table["went_through"].str.len().gt(0)
-    title = f"At {table['speed'].iloc[0]:g} m/s the ball goes through the plate in {through.sum()} of {len(table)} rows; "
-    title += (f"steps of at most {found.min():.2g} s stop it with every integrator that can" if len(found) else "no step was found that stops it")
+    words = []
+    for (speed, thickness, stiffness), mine in table.groupby(["speed", "thickness", "stiffness"], sort=False, dropna=False):
+        step, what = mine["preventing_step"].dropna(), f"a plate of {thickness:g} m and {stiffness:g} Pa"
+        words.append(f"{what} is passed at {speed:g} m/s whatever the step" if step.empty else
+                     f"{what} stops a ball of {speed:g} m/s with steps of at most {step.min():.2g} s"
+                     + (f" with {len(step)} of {len(mine)} integrators" if len(step) < len(mine) else ""))  # fmt: skip
+    title = "; ".join(words)
+    title = title[:1].upper() + title[1:]
     frame = pd.DataFrame({
         "integrator": table["integrator"], "speed (m/s)": table["speed"], "plate (m)": table["thickness"], "stiffness (Pa)": table["stiffness"].map("{:g}".format),
         "went through with steps of (s)": [", ".join(f"{step:g}" for step in steps) or "–" for steps in table["went_through"]],
