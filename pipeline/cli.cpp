@@ -126,9 +126,9 @@ int dispatch(int argc, const char* const* argv) {
   detect_command->add_flag("--json", json, "Print the summary as JSON");
 
   CLI::App* list_command = app.add_subcommand("list", "List what configurations can name");
-  list_command->add_option("WHAT", what, "algorithms, scenes, shapes or integrators")
+  list_command->add_option("WHAT", what, "algorithms, scenes, shapes, integrators or problems")
       ->required()
-      ->check(CLI::IsMember({"algorithms", "scenes", "shapes", "integrators"}));
+      ->check(CLI::IsMember({"algorithms", "scenes", "shapes", "integrators", "problems"}));
   list_command->add_flag("--json", json, "Print JSON");
 
   CLI::App* show_command = app.add_subcommand("show", "Summary, provenance and digests of a result");
@@ -200,7 +200,7 @@ int dispatch(int argc, const char* const* argv) {
     const std::filesystem::path target = output_path(config, options);
     const Plan planned = plan(config);
     refuse_if_too_large(planned, target);
-    if (planned.case_sets == 0) refuse_unfit(config.scene_kind->make(config).bodies, config.algorithms);
+    if (!config.study && planned.case_sets == 0) refuse_unfit(config.scene_kind->make(config).bodies, config.algorithms);
     put(json ? plan_json(config, planned, target.string()) : plan_text(config, planned, target.string()));
     return kDone;
   }

@@ -99,6 +99,8 @@ class Section {
   void reals(std::string_view key, std::span<double> values, const Range& range) const;
   /// An array of at least one number.
   std::vector<double> numbers(std::string_view key, const std::vector<double>& preset, const Range& range) const;
+  /// A number or an array, not empty, of numbers; none when it is absent. `whole`: without a fraction.
+  std::vector<double> numbers(std::string_view key, const Range& range, bool whole = false) const;
   /// An array of [member of `known`, number]; none when it is absent.
   std::vector<std::pair<std::string, double>> named_reals(std::string_view key, const std::vector<std::string>& known,
                                                           const Range& range) const;

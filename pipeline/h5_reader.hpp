@@ -40,6 +40,9 @@ class Reader {
   explicit Reader(hid_t file) : file_(file) {}
 
   bool has(const std::string& path) const { return h5::exists(file_, path); }
+  bool has_attribute(const std::string& object, const std::string& name) const {
+    return H5Aexists_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
+  }
 
   template <typename T>
   T attribute(const std::string& object, const std::string& name) const {

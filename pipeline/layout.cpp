@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <concepts>
 #include <cstring>
 #include <numeric>
@@ -103,6 +104,12 @@ struct Sizes {
   Dimension axis{"/axis", 3}, component{"/component", 4}, side{"/side", 2};
 };
 
+Dataset config(const Result& result) {
+  Dataset out = texts("/config", {result.config_text}, {}, "the configuration as read, TOML");
+  out.attributes.push_back({"effective", result.config_effective});
+  return out;
+}
+
 Group root(const Result& result, const Sizes& n) {
   const Provenance& from = result.provenance;
   Group group{"/",
@@ -118,6 +125,11 @@ Group root(const Result& result, const Sizes& n) {
                {"inputs_sha256", from.inputs_sha256}},
               {},
               true};
+  auto& datasets = group.datasets;
+  if (result.study) {
+    datasets.push_back(config(result));
+    return group;
+  }
   std::vector<std::int64_t> step(result.steps());
   std::iota(step.begin(), step.end(), 0);
   std::vector<double> time(result.steps());
@@ -125,7 +137,6 @@ Group root(const Result& result, const Sizes& n) {
   std::vector<std::string> labels;
   for (const Answers& answers : result.answers) labels.push_back(answers.label);
 
-  auto& datasets = group.datasets;
   datasets.push_back(scale(owning("/step", step, {n.step}, "1", "samples of time, from 0"), true));
   datasets.push_back(scale(texts("/body", result.bodies.name, {n.body}, "names of the bodies")));
   if (!labels.empty())
@@ -137,8 +148,7 @@ Group root(const Result& result, const Sizes& n) {
 
   datasets.push_back(owning("/time", time, {n.step}, "s", "time of the step"));
   datasets.back().attributes.push_back({"rate", result.rate});
-  datasets.push_back(texts("/config", {result.config_text}, {}, "the configuration as read, TOML"));
-  datasets.back().attributes.push_back({"effective", result.config_effective});
+  datasets.push_back(config(result));
   return group;
 }
 
@@ -207,6 +217,7 @@ Group motion(const Result& result, const Sizes& n) {
 
 Group physics(const PhysicsRows& physics, const Sizes& n) {
   Group group{"/physics", {{"status", physics.status}}, {}};
+  if (!std::isnan(physics.quaternion_drift)) group.attributes.push_back({"quaternion_drift", physics.quaternion_drift});
   assert(physics.rows.size() == n.step.size && "a row for every step");
   const auto add = [&]<typename Stored>(const auto& columns, Stored) {
     for (const auto& column : columns) {
@@ -398,6 +409,31 @@ Group extremes(const Extremes& extremes, const Sizes& n) {
   return group;
 }
 
+Group study(const std::vector<StudyRow>& rows) {
+  const Dimension cases{"/study/case", rows.size()};
+  Group group{"/study", {}, {}};
+  auto& datasets = group.datasets;
+  std::vector<std::int64_t> number(rows.size());
+  std::iota(number.begin(), number.end(), 0);
+  datasets.push_back(scale(owning(cases.scale, number, {cases}, "1", "number of the case, from 0")));
+  const auto column = [&]<typename T>(const Column<StudyRow, T>& column, auto stored) {
+    std::vector<decltype(stored)> values;
+    for (const StudyRow& row : rows) values.push_back(row.*column.member);
+    const std::string path = std::string("/study/") + column.name;
+    if constexpr (std::same_as<T, std::string>)
+      datasets.push_back(texts(path, std::move(values), {cases}, column.long_name));
+    else
+      datasets.push_back(owning(path, values, {cases}, column.units, column.long_name));
+  };
+  for (const auto& text : kStudyTexts) column(text, std::string());
+  for (const auto& real : kStudyParameters) column(real, double{});
+  for (const auto& real : kStudyReals) column(real, double{});
+  for (const auto& count : kStudyCounts) column(count, std::uint64_t{});
+  column(kStudyFinished, std::uint8_t{});
+  column(kStudyTime, std::int64_t{});
+  return group;
+}
+
 Group run(const Provenance& from) {
   return {"/run",
           {{"date", from.date}, {"host", from.host}, {"processor", from.processor}, {"wall_time_s", from.wall_time_s}},
@@ -432,6 +468,11 @@ std::vector<Group> layout(const Result& result) {
   const Sizes n(result);
   std::vector<Group> groups;
   groups.push_back(root(result, n));
+  if (result.study) {
+    groups.push_back(study(*result.study));
+    groups.push_back(run(result.provenance));
+    return groups;
+  }
   groups.push_back(bodies(result, n));
   for (const geometry::Mesh& shape : result.bodies.meshes) groups.push_back(mesh(shape));
   groups.push_back(motion(result, n));

@@ -180,4 +180,54 @@ inline constexpr Column<PassAnswers, std::vector<std::uint64_t>> kPassAnswerCoun
     {"flicker", &PassAnswers::flicker, "1", "changes of its answer between neighbouring samples that both truly meet"},
     {"hits", &PassAnswers::hits, "1", "samples reported, whether they truly meet or not"}};
 
+inline constexpr Column<StudyRow, std::string> kStudyTexts[] = {
+    {"sweep", &StudyRow::sweep, "1", "name of the [[sweep]] of the configuration"},
+    {"problem", &StudyRow::problem, "1", "what is integrated (pipeline list problems)"},
+    {"integrator", &StudyRow::integrator, "1", "name of the integrator"},
+    {"units", &StudyRow::units, "1", "SI, or scaled: integrated in units of the problem's own length, mass and time"},
+    {"status", &StudyRow::status, "1",
+     "finished, exception, not_finite, energy, evaluations, time, tunnelled or aborted"},
+    {"reason", &StudyRow::reason, "1", "why it did not finish"}};
+/// What a case is made of; NaN where its problem has no such parameter.
+inline constexpr Column<StudyRow, double> kStudyParameters[] = {
+    {"accuracy", &StudyRow::accuracy, "1", "accuracy asked of the integrator; NaN: the step is fixed"},
+    {"fixed_step", &StudyRow::fixed_step, "s", "length of every step; NaN: chosen by the accuracy"},
+    {"nominal_order", &StudyRow::nominal_order, "1", "order of the integrator by its documentation; NaN: it varies"},
+    {"duration", &StudyRow::duration, "s", "simulated time"},
+    {"greatest_step", &StudyRow::greatest_step, "s", "steps are at most of this length"},
+    {"radius", &StudyRow::radius, "m", "radius of the ball"},
+    {"thickness", &StudyRow::thickness, "m", "thickness of the plate"},
+    {"offset", &StudyRow::offset, "m", "everything is moved so far along x, y and z"},
+    {"mass", &StudyRow::mass, "kg", "mass of the ball"},
+    {"inertia", &StudyRow::inertia, "kg m^2", "moment of inertia of the ball"},
+    {"balls", &StudyRow::balls, "1", "balls in the stack"},
+    {"mass_ratio", &StudyRow::mass_ratio, "1", "mass of the topmost ball over that of each other"},
+    {"speed", &StudyRow::speed, "m/s", "speed of approach or of the throw"},
+    {"transition_velocity", &StudyRow::transition_velocity, "m/s", "slip at which friction is greatest"},
+    {"stiffness", &StudyRow::stiffness, "Pa", "plane-strain modulus of the surfaces"},
+    {"dissipation", &StudyRow::dissipation, "s/m", "Hunt and Crossley's"}};
+inline constexpr Column<StudyRow, double> kStudyReals[] = {
+    {"reached", &StudyRow::reached, "s", "simulated time reached"},
+    {"error", &StudyRow::error, "1",
+     "greatest over the bodies at the end: position error over the problem's length, or orientation error in rad; NaN: "
+     "no reference"},
+    {"position_error", &StudyRow::position_error, "m", "greatest error of a position at the end"},
+    {"orientation_error", &StudyRow::orientation_error, "rad", "greatest error of an orientation at the end"},
+    {"energy_error", &StudyRow::energy_error, "1",
+     "energy gained (positive) or lost against its balance, over the problem's energy: the worst of the whole time"},
+    {"momentum_drift", &StudyRow::momentum_drift, "1",
+     "worst deviation of linear or angular momentum from its balance, over the problem's; NaN: no balance is known"},
+    {"greatest_penetration", &StudyRow::greatest_penetration, "m", "greatest depth of a contact after a step"},
+    {"smallest_step", &StudyRow::smallest_step, "s", "shortest step but the last"},
+    {"preventing_step", &StudyRow::preventing_step, "s",
+     "where the ball tunnelled: the greatest step that stops it, from whatever phase; NaN: none was found"}};
+inline constexpr Column<StudyRow, std::uint64_t> kStudyCounts[] = {
+    {"steps", &StudyRow::steps, "1", "internal steps"},
+    {"rejected_steps", &StudyRow::rejected_steps, "1", "internal steps tried and rejected"},
+    {"force_evaluations", &StudyRow::force_evaluations, "1", "evaluations of forces"}};
+inline constexpr Column<StudyRow, bool> kStudyFinished{"finished", &StudyRow::finished, "1",
+                                                       "1 when the end was reached"};
+inline constexpr Column<StudyRow, std::int64_t> kStudyTime{
+    "time_ns", &StudyRow::time_ns, "ns", "time of processor for the integration; the fastest of up to five"};
+
 }  // namespace pipeline

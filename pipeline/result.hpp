@@ -129,6 +129,38 @@ struct Extremes {
 struct PhysicsRows {
   std::vector<PhysicsSample> rows;  // S
   std::string status;               // "complete", or "failed at step K: why"
+  // Greatest | |q| - 1 | of the integrator's quaternions at samples, before they become poses; NaN: not known.
+  double quaternion_drift = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// One case of a study of the integrators: a row of /study. A parameter that its problem does not have is NaN.
+struct StudyRow {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  // What is integrated, and how.
+  std::string sweep, problem, integrator;
+  std::string units = "SI";                        // or "scaled": in units of the problem's own length, mass and time
+  double accuracy = kNone;                         // NaN with a fixed step
+  double fixed_step = kNone;                       // s; NaN when the accuracy chooses the steps
+  double nominal_order = kNone;                    // NaN: it varies
+  double duration = kNone, greatest_step = kNone;  // s
+  double radius = kNone, thickness = kNone, offset = kNone;  // m
+  double mass = kNone, inertia = kNone;                      // kg, kg m^2
+  double balls = kNone, mass_ratio = kNone;                  // 1
+  double speed = kNone, transition_velocity = kNone;         // m/s
+  double stiffness = kNone;                                  // Pa
+  double dissipation = kNone;                                // s/m
+
+  // What came of it. `status` is one of README's, `reason` says in words why it did not finish.
+  std::string status = "not run", reason;
+  double reached = kNone;                                                   // s
+  double error = kNone, position_error = kNone, orientation_error = kNone;  // 1, m, rad
+  double energy_error = kNone, momentum_drift = kNone;                      // 1
+  double greatest_penetration = kNone, smallest_step = kNone;               // m, s
+  double preventing_step = kNone;                                           // s
+  std::uint64_t steps = 0, rejected_steps = 0, force_evaluations = 0;
+  bool finished = false;
+  std::int64_t time_ns = 0;  // of processor
 };
 
 /// Where a result comes from; attributes of the root and of /run.
@@ -154,6 +186,8 @@ struct Result {
   std::vector<Summary> summary;      // A
   std::optional<Passes> passes;      // only of scenes that have some
   std::optional<Extremes> extremes;  // only of scenes of extremes
+  // Of studies of the integrators, which have nothing of the above but title and configuration.
+  std::optional<std::vector<StudyRow>> study;
   Provenance provenance;
   std::string digest;  // of the root; filled in by write and read
 

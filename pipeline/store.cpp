@@ -243,6 +243,8 @@ std::vector<std::vector<geometry::Pose>> read_motion(const Reader& from, std::ui
 PhysicsRows read_physics(const Reader& from, std::uint64_t steps) {
   PhysicsRows physics;
   physics.status = from.attribute<std::string>("/physics", "status");
+  if (from.has_attribute("/physics", "quaternion_drift"))
+    physics.quaternion_drift = from.attribute<double>("/physics", "quaternion_drift");
   physics.rows.resize(steps);
   const auto fill = [&]<typename Stored>(const auto& columns, Type type, Stored) {
     for (const auto& column : columns) {
@@ -381,11 +383,33 @@ Provenance read_provenance(const Reader& from) {
   return out;
 }
 
+std::vector<StudyRow> read_study(const Reader& from) {
+  std::vector<StudyRow> rows(from.values<std::int64_t>("/study/case", Type::i64, {kAny}).size());
+  const auto fill = [&](const auto& column, auto values) {
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*column.member = std::move(values[i]);
+  };
+  const Shape shape{rows.size()};
+  const auto path = [](const auto& column) { return std::string("/study/") + column.name; };
+  for (const auto& column : kStudyTexts) fill(column, from.texts(path(column), shape));
+  for (const auto& column : kStudyParameters) fill(column, from.values<double>(path(column), Type::f64, shape));
+  for (const auto& column : kStudyReals) fill(column, from.values<double>(path(column), Type::f64, shape));
+  for (const auto& column : kStudyCounts) fill(column, from.values<std::uint64_t>(path(column), Type::u64, shape));
+  fill(kStudyFinished, from.values<std::uint8_t>(path(kStudyFinished), Type::u8, shape));
+  fill(kStudyTime, from.values<std::int64_t>(path(kStudyTime), Type::i64, shape));
+  return rows;
+}
+
 Result read_all(const Reader& from) {
   Result result;
   result.title = from.attribute<std::string>("/", "title");
   result.config_text = from.texts("/config", {}).at(0);
   result.config_effective = from.attribute<std::string>("/config", "effective");
+  if (from.has("/study")) {
+    result.study = read_study(from);
+    result.provenance = read_provenance(from);
+    result.digest = from.attribute<std::string>("/", "digest");
+    return result;
+  }
   result.rate = from.attribute<double>("/time", "rate");
   const std::uint64_t steps = from.values<std::int64_t>("/step", Type::i64, {kAny}).size();
   result.bodies = read_bodies(from);
