@@ -5,11 +5,11 @@ the file, 4 a file that is missing, not a result or cannot be written.
 """
 
 import argparse
-import os
 import sys
 
 from analysis import scenes, studies, viewer
 from analysis.load import load
+from analysis.output import refuse, write
 from analysis.statements import shown, verdicts
 
 KINDS = ("box", "falling", "playground")
@@ -44,29 +44,11 @@ def main(arguments=None):
 
 def write_report(paths, output):
     """The page of the results at `paths`, whole or not at all; prints where it is. Only a page is overwritten."""
-    if os.path.exists(output):
-        if os.path.isdir(output):
-            raise IsADirectoryError(f"{output}: is a folder; -o names the page's file")
-        if os.path.isfile(output) and os.path.getsize(output):
-            with open(output, "rb") as file:
-                if not file.read(9).lower().startswith(b"<!doctype"):
-                    raise FileExistsError(f"{output}: exists and is not an HTML page; it is not overwritten")
-    folder = os.path.dirname(output) or "."
-    if not os.path.isdir(folder) or not os.access(folder, os.W_OK):
-        raise OSError(f"{output}: cannot be written: {folder} is no folder that can be written to")
+    refuse(output)  # before the work
     runs = [read(path) for path in paths]
     from analysis.report import report  # matplotlib is slow to load, and nothing above needs it
 
-    text = report(runs)
-    part = f"{output}.{os.getpid()}.part"
-    try:
-        with open(part, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(part, output)
-    except OSError as error:
-        if os.path.exists(part):
-            os.remove(part)
-        raise OSError(f"{output}: cannot be written ({error.strerror})") from error
+    write(output, report(runs))
     print(output)
 
 

@@ -8,14 +8,13 @@ for nothing; its Content-Security-Policy forbids that.
 import base64
 import html
 import json
-import os
 import pathlib
-import tempfile
 
 import h5py
 import numpy as np
 
 from analysis.load import load
+from analysis.output import refuse, write
 
 HERE = pathlib.Path(__file__).parent
 THREE_JS = [
@@ -67,25 +66,15 @@ def write_page(chosen):
 
     Raises what step_page raises, naming the file, and OSError when the page cannot be written.
     """
+    if chosen.output:
+        refuse(chosen.output)  # before the work
     try:
         page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps)
     except (OSError, KeyError, ValueError, RuntimeError) as error:  # h5py does not name the file
         text = str(error.args[0] if error.args else error)
         raise OSError(text if text.startswith(chosen.file) else f"{chosen.file}: is damaged ({text})") from error
     path = chosen.output or f"{pathlib.Path(chosen.file).stem}_step{step}.html"
-    if os.path.exists(path) and not os.path.isfile(path):
-        raise Unfit(f"-o {path}: is not a file; name a page to write")
-    if os.path.exists(path) and os.path.samefile(path, chosen.file):
-        raise Unfit(f"-o {path}: is the result itself; name a page to write")
-    file, beside = tempfile.mkstemp(dir=os.path.dirname(path) or ".", prefix=".", suffix=".html")
-    try:
-        with open(file, "w", encoding="utf-8") as out:
-            out.write(page)
-        os.chmod(beside, 0o644)
-        os.replace(beside, path)
-    except BaseException:
-        os.unlink(beside)
-        raise
+    write(path, page)
     return path
 
 
@@ -278,7 +267,7 @@ def _filled(data, title):
         if not path.is_file():
             raise Uninstalled(f"{path}: is missing; scripts/setup installs it (Debian's libjs-three)")
     three = "\n".join(_script(path.read_text(encoding="utf-8")) for path in THREE_JS)
-    document = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+    document = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     filled = {
         "<!-- title -->": html.escape(title),
         "<!-- data -->": f'<script type="application/json" id="data">{document}</script>',

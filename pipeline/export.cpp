@@ -254,7 +254,11 @@ std::uint64_t export_bytes(const Result& result, const ExportOptions& options) {
 fs::path write_vtk(const Result& result, const ExportOptions& options) {
   refuse_folder(options);
   Written written(options.folder);
-  for (const fs::path& file : earlier(options)) fs::remove(file);
+  for (const fs::path& file : earlier(options)) {
+    std::error_code error;
+    if (!fs::remove(file, error) && error)
+      throw Error(kFile, file.string() + ": cannot be replaced (" + error.message() + "); choose another --vtk");
+  }
 
   Progress progress("export", options.steps.size(), options.quiet);
   std::string index =

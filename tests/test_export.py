@@ -146,6 +146,10 @@ def test_a_folder_in_use_is_refused_without_force(pipeline, result_file, tmp_pat
     assert export(pipeline, result_file, "--vtk", tmp_path, "--steps", ":1", "--force").returncode == DONE
     assert len(list(tmp_path.glob("*.vtp"))) == 1, "steps of the earlier export are gone"
     assert (tmp_path / "notes.txt").read_text() == (tmp_path / "other.pvd").read_text() == "mine"
+    in_the_way = tmp_path / f"{result_file.stem}_000007.vtp" / "full"
+    in_the_way.mkdir(parents=True)
+    run = export(pipeline, result_file, "--vtk", tmp_path, "--steps", ":1", "--force")
+    assert run.returncode == FILE and str(in_the_way.parent) in one_line(run)
 
 
 @pytest.mark.parametrize("steps, code, word", [

@@ -399,12 +399,15 @@ def test_what_makes_times_or_answers_doubtful_is_said(copy, tmp_path, brief):
 def test_only_pages_are_overwritten(made, result_file, tmp_path, capsys, brief):
     precious = tmp_path / "precious.txt"
     precious.write_text("mine")
-    for output in (precious, tmp_path, tmp_path / "no" / "folder.html"):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    for output in (precious, pipe, tmp_path, tmp_path / "no" / "folder.html"):
         assert main(["report", str(result_file), "-o", str(output)]) == 4
         said = capsys.readouterr().err
         assert said.startswith(f"{output}: ") and said.count("\n") == 1, said
     assert precious.read_text() == "mine"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["precious.txt"]
+    assert pipe.is_fifo()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["pipe", "precious.txt"]
     assert main(["report", str(result_file), "-o", str(shutil.copy(made, tmp_path / "again.html"))]) == 0
 
 

@@ -213,7 +213,7 @@ def test_files_that_are_none_or_cannot_be_written_are_told_in_a_line(command, re
         run = command(path, "--step", 5, "-o", tmp_path / "x.html")
         assert run.returncode == FILE and str(path) in one_line(run), path
     run = command(result_file, "--step", 5, "-o", tmp_path / "no" / "x.html")
-    assert run.returncode == FILE and one_line(run)
+    assert run.returncode == FILE and one_line(run).startswith(str(tmp_path / "no" / "x.html"))
     missing = pathlib.Path("/nowhere/three.min.js")
     monkeypatch.setattr(viewer, "THREE_JS", [missing])
     run = command(result_file, "--step", 5, "-o", tmp_path / "x.html")
@@ -221,8 +221,18 @@ def test_files_that_are_none_or_cannot_be_written_are_told_in_a_line(command, re
     monkeypatch.undo()
     own = tmp_path / "own.h5"
     shutil.copy(result_file, own)
-    assert command(own, "--step", 5, "-o", own).returncode == INPUT
+    for shown in (own, result_file):  # neither the result shown nor another
+        assert command(shown, "--step", 5, "-o", own).returncode == FILE
     assert own.read_bytes() == result_file.read_bytes()
+
+
+def test_a_figure_that_is_no_number_is_damage_and_no_blank_page(command, result_file, tmp_path):
+    shutil.copy(result_file, tmp_path / "own.h5")
+    with h5py.File(tmp_path / "own.h5", "r+") as file:
+        del file["time"].attrs["rate"]
+    run = command(tmp_path / "own.h5", "--step", 5, "-o", tmp_path / "x.html")
+    assert run.returncode == FILE and "own.h5: is damaged" in one_line(run)
+    assert os.listdir(tmp_path) == ["own.h5"]
 
 
 # ---- in the browser
