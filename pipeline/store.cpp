@@ -479,8 +479,7 @@ Result read_all(const Reader& from) {
   result.config_effective = from.attribute<std::string>("/config", "effective");
   result.provenance = read_provenance(from);
   result.digest = from.attribute<std::string>("/", "digest");
-  if (from.has("/study")) result.study = read_study(from);
-  if (result.study) return result;
+  if (from.has("/study")) return result.study = read_study(from), result;
   result.rate = from.attribute<double>("/time", "rate");
   const std::uint64_t steps = from.values<std::int64_t>("/step", Type::i64, {kAny}).size();
   result.bodies = read_bodies(from);
