@@ -24,7 +24,7 @@ def orders(run):
     logarithm over that of the step, by accuracies of the mean step), spread (standard error of the slope), nominal (by
     Simbody's documentation; NaN where it varies). NaN where fewer than three points are in the asymptotic range: errors
     from 0.1 down to 1e-11 that fall from each step to the next shorter, of them the finest four. Where a body enters a
-    contact within a step the order of any method falls to about 2: the force has no second derivative there.
+    contact within a step even the high orders fall to 2 to 3: the force has no second derivative there.
     """
     table = study(run)
     table = table[table.finished & (table.error > 0)]

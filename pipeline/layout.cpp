@@ -416,21 +416,15 @@ Group study(const std::vector<StudyRow>& rows) {
   std::vector<std::int64_t> number(rows.size());
   std::iota(number.begin(), number.end(), 0);
   datasets.push_back(scale(owning(cases.scale, number, {cases}, "1", "number of the case, from 0")));
-  const auto column = [&]<typename T>(const Column<StudyRow, T>& column, auto stored) {
-    std::vector<decltype(stored)> values;
+  each_study_column([&]<typename T>(const Column<StudyRow, T>& column, Type) {
+    std::vector<std::conditional_t<std::same_as<T, bool>, std::uint8_t, T>> values;
     for (const StudyRow& row : rows) values.push_back(row.*column.member);
     const std::string path = std::string("/study/") + column.name;
     if constexpr (std::same_as<T, std::string>)
       datasets.push_back(texts(path, std::move(values), {cases}, column.long_name));
     else
       datasets.push_back(owning(path, values, {cases}, column.units, column.long_name));
-  };
-  for (const auto& text : kStudyTexts) column(text, std::string());
-  for (const auto& real : kStudyParameters) column(real, double{});
-  for (const auto& real : kStudyReals) column(real, double{});
-  for (const auto& count : kStudyCounts) column(count, std::uint64_t{});
-  column(kStudyFinished, std::uint8_t{});
-  column(kStudyTime, std::int64_t{});
+  });
   return group;
 }
 

@@ -230,4 +230,15 @@ inline constexpr Column<StudyRow, bool> kStudyFinished{"finished", &StudyRow::fi
 inline constexpr Column<StudyRow, std::int64_t> kStudyTime{
     "time_ns", &StudyRow::time_ns, "ns", "time of processor for the integration; the fastest of up to five"};
 
+/// Tells `each` every column of /study with the type in which it is stored, in the file's order.
+template <typename Each>
+void each_study_column(const Each& each) {
+  for (const auto& column : kStudyTexts) each(column, Type::text);
+  for (const auto& column : kStudyParameters) each(column, Type::f64);
+  for (const auto& column : kStudyReals) each(column, Type::f64);
+  for (const auto& column : kStudyCounts) each(column, Type::u64);
+  each(kStudyFinished, Type::u8);
+  each(kStudyTime, Type::i64);
+}
+
 }  // namespace pipeline

@@ -385,17 +385,16 @@ Provenance read_provenance(const Reader& from) {
 
 std::vector<StudyRow> read_study(const Reader& from) {
   std::vector<StudyRow> rows(from.values<std::int64_t>("/study/case", Type::i64, {kAny}).size());
-  const auto fill = [&](const auto& column, auto values) {
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*column.member = std::move(values[i]);
-  };
-  const Shape shape{rows.size()};
-  const auto path = [](const auto& column) { return std::string("/study/") + column.name; };
-  for (const auto& column : kStudyTexts) fill(column, from.texts(path(column), shape));
-  for (const auto& column : kStudyParameters) fill(column, from.values<double>(path(column), Type::f64, shape));
-  for (const auto& column : kStudyReals) fill(column, from.values<double>(path(column), Type::f64, shape));
-  for (const auto& column : kStudyCounts) fill(column, from.values<std::uint64_t>(path(column), Type::u64, shape));
-  fill(kStudyFinished, from.values<std::uint8_t>(path(kStudyFinished), Type::u8, shape));
-  fill(kStudyTime, from.values<std::int64_t>(path(kStudyTime), Type::i64, shape));
+  each_study_column([&]<typename T>(const Column<StudyRow, T>& column, Type type) {
+    const auto path = std::string("/study/") + column.name;
+    const auto fill = [&](auto values) {
+      for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*column.member = std::move(values[i]);
+    };
+    if constexpr (std::is_same_v<T, std::string>)
+      fill(from.texts(path, {rows.size()}));
+    else
+      fill(from.values<std::conditional_t<std::is_same_v<T, bool>, std::uint8_t, T>>(path, type, {rows.size()}));
+  });
   return rows;
 }
 
@@ -404,12 +403,9 @@ Result read_all(const Reader& from) {
   result.title = from.attribute<std::string>("/", "title");
   result.config_text = from.texts("/config", {}).at(0);
   result.config_effective = from.attribute<std::string>("/config", "effective");
-  if (from.has("/study")) {
-    result.study = read_study(from);
-    result.provenance = read_provenance(from);
-    result.digest = from.attribute<std::string>("/", "digest");
-    return result;
-  }
+  result.provenance = read_provenance(from);
+  result.digest = from.attribute<std::string>("/", "digest");
+  if (from.has("/study")) return result.study = read_study(from), result;
   result.rate = from.attribute<double>("/time", "rate");
   const std::uint64_t steps = from.values<std::int64_t>("/step", Type::i64, {kAny}).size();
   result.bodies = read_bodies(from);
@@ -439,9 +435,12 @@ Result read_all(const Reader& from) {
     if (result.truth.containment == Containment::record) read_contained_hits(from, steps, result);
   }
   if (from.has("/passes")) result.passes = read_passes(from, result.answers.size());
+<<<<<<< HEAD
   if (from.has("/extremes")) result.extremes = read_extremes(from, steps, result.answers.size());
   result.provenance = read_provenance(from);
   result.digest = from.attribute<std::string>("/", "digest");
+=======
+>>>>>>> study
   return result;
 }
 

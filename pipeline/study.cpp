@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <iterator>
 #include <stdexcept>
+#include <type_traits>
 
 #include "pipeline/child.hpp"
 #include "pipeline/layout.hpp"
@@ -132,32 +134,24 @@ void compare(const Setting& setting, const std::vector<BodyState>& states, Study
 
 std::string bytes_of(const StudyRow& row) {
   ChunkWriter out;
-  for (const auto& column : kStudyTexts) out.put(row.*column.member);
-  std::vector<double> reals;
-  for (const auto& column : kStudyParameters) reals.push_back(row.*column.member);
-  for (const auto& column : kStudyReals) reals.push_back(row.*column.member);
-  out.put(reals);
-  std::vector<std::uint64_t> counts;
-  for (const auto& column : kStudyCounts) counts.push_back(row.*column.member);
-  counts.push_back(row.finished);
-  counts.push_back(static_cast<std::uint64_t>(row.time_ns));
-  out.put(counts);
+  each_study_column([&]<typename T>(const Column<StudyRow, T>& column, Type) {
+    if constexpr (std::same_as<T, std::string>)
+      out.put(row.*column.member);
+    else
+      out.put(std::vector{static_cast<std::conditional_t<std::same_as<T, bool>, char, T>>(row.*column.member)});
+  });
   return out.bytes;
 }
 
 StudyRow row_of(const std::string& bytes) {
   ChunkReader in(bytes);
   StudyRow row;
-  for (const auto& column : kStudyTexts) row.*column.member = in.text();
-  const std::vector<double> reals = in.get<double>();
-  auto real = reals.begin();
-  for (const auto& column : kStudyParameters) row.*column.member = *real++;
-  for (const auto& column : kStudyReals) row.*column.member = *real++;
-  const std::vector<std::uint64_t> counts = in.get<std::uint64_t>();
-  auto count = counts.begin();
-  for (const auto& column : kStudyCounts) row.*column.member = *count++;
-  row.finished = *count++ != 0;
-  row.time_ns = static_cast<std::int64_t>(*count);
+  each_study_column([&]<typename T>(const Column<StudyRow, T>& column, Type) {
+    if constexpr (std::same_as<T, std::string>)
+      row.*column.member = in.text();
+    else
+      row.*column.member = in.get<std::conditional_t<std::same_as<T, bool>, char, T>>().at(0);
+  });
   return row;
 }
 
