@@ -435,12 +435,7 @@ Result read_all(const Reader& from) {
     if (result.truth.containment == Containment::record) read_contained_hits(from, steps, result);
   }
   if (from.has("/passes")) result.passes = read_passes(from, result.answers.size());
-<<<<<<< HEAD
   if (from.has("/extremes")) result.extremes = read_extremes(from, steps, result.answers.size());
-  result.provenance = read_provenance(from);
-  result.digest = from.attribute<std::string>("/", "digest");
-=======
->>>>>>> study
   return result;
 }
 
