@@ -52,13 +52,17 @@ Plan plan(const Config& config) {
   const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
   const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
   plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);
-  // Gaps: about as many pairs as an algorithm reports, each with two reals; and their own placed bodies.
-  const std::uint64_t gaps = config.gap_margin ? 1 : 0;
-  plan.file_bytes += gaps * steps * (4 * size.bodies * 24 + 8);
-  // In memory: the result and, while it is written, once more its datasets; the truth's world vertices (24 bytes) and
-  // boxes (about 48 bytes a triangle) of every body; hierarchies and sampled facets (about 200 bytes a triangle of a
-  // mesh).
-  plan.memory_bytes = 2 * plan.file_bytes + (1 + gaps) * (24 + 2 * 48) * size.body_vertices + 200 * size.mesh_triangles;
+  // Gaps: about as many pairs as an algorithm reports, each with two reals.
+  if (config.gap_margin) plan.file_bytes += steps * (4 * size.bodies * 24 + 8);
+  // In memory: the result and, while it is written, once more its datasets; of every distinct mesh the hierarchies and
+  // sampled facets (about 200 bytes a triangle) of the truth and of each algorithm. Gaps: on every thread the world
+  // vertices (24 bytes) and boxes (48 bytes, up to four a vertex) of all bodies.
+  plan.memory_bytes = 2 * plan.file_bytes + (1 + algorithms) * 200 * size.mesh_triangles;
+  if (config.gap_margin) {
+    const std::uint64_t chunks = (steps + kChunkSteps - 1) / kChunkSteps;
+    const std::uint64_t threads = std::max(1u, std::thread::hardware_concurrency());
+    plan.memory_bytes += std::min(threads, chunks) * (24 + 4 * 48) * size.body_vertices;
+  }
   return plan;
 }
 
