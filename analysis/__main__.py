@@ -7,7 +7,7 @@ the file, 4 a file that is missing, not a result or cannot be written.
 import argparse
 import sys
 
-from analysis import scenes, viewer
+from analysis import scenes, studies, viewer
 from analysis.load import load
 from analysis.output import refuse, write
 from analysis.statements import shown, verdicts
@@ -25,6 +25,9 @@ def main(arguments=None):
     command.add_argument("file", nargs="+", help="results; those of one motion and truth are drawn together")
     command.add_argument("-o", "--output", default="report.html", help="the page (default: report.html)")
     command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output))
+    command = commands.add_parser("study", help="orders, stability and recommendation of a study; drift of a long run")
+    command.add_argument("file", help="result of a study of integrators, or of an integrated scene")
+    command.set_defaults(act=lambda chosen: print(studies.text(load(chosen.file))))
     viewer.add_command(commands)
     chosen = parser.parse_args(arguments)
     try:

@@ -114,8 +114,16 @@ class Text:
 
 
 @dataclass(frozen=True)
+class Points:
+    """Sentences one below the other. items: list of plain texts."""
+
+    title: str
+    items: list
+
+
+@dataclass(frozen=True)
 class Section:
-    """parts: Figure, Table, Text, or str (one paragraph of plain text)."""
+    """parts: Figure, Table, Text, Points, or str (one paragraph of plain text)."""
 
     title: str
     parts: list

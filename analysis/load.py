@@ -74,7 +74,8 @@ class Run:
 
     @cached_property
     def physics(self):
-        """One row per step, indexed by step; None when nothing was integrated. How it ended: attrs["status"].
+        """One row per step, indexed by step; None when nothing was integrated. How it ended: attrs["status"]; and
+        attrs["quaternion_drift"], the greatest deviation of a quaternion's norm from 1 in the integrator.
 
         Columns: energy, kinetic_energy (float64, J), greatest_penetration (float64, m), contacts (uint64); and since
         the step before: integrator_steps, rejected_steps, force_evaluations (uint64), time_ns, contact_time_ns (int64,
@@ -85,16 +86,8 @@ class Run:
             return None
         table = pd.DataFrame(columns, index=pd.RangeIndex(self.meta["steps"], name="step"))
         with h5py.File(self.path) as file:
-            table.attrs["status"] = file["physics"].attrs["status"]
+            table.attrs.update({name: file["physics"].attrs[name] for name in file["physics"].attrs})
         return table
-
-    @cached_property
-    def study(self):
-        """One row per case of a study of integrators, its columns as in the file; None when it is no study."""
-        columns = self._columns("study")
-        if not columns:
-            return None
-        return pd.DataFrame({name: _text(values) for name, values in columns.items()})
 
     @cached_property
     def truth_hits(self):
@@ -197,6 +190,26 @@ class Run:
             return file["motion/position"][()], file["motion/orientation"][()]
 
     @cached_property
+    def study(self):
+        """One row per case, indexed by its number; None when the result is not a study of integrators.
+
+        Columns: sweep, problem, integrator, units, status, reason (text); what a case is made of, NaN where its problem
+        has no such parameter: accuracy, fixed_step (s), nominal_order, duration (s), stiffness (Pa), ...; what came of
+        it: finished (bool), reached (s), error (relative or rad), position_error (m), orientation_error (rad),
+        energy_error, momentum_drift (1), greatest_penetration (m), smallest_step, preventing_step (s), steps,
+        rejected_steps, force_evaluations, time_ns (of processor).
+        """
+        with h5py.File(self.path) as file:
+            if "study" not in file:
+                return None
+            columns = {}
+            for name, data in file["study"].items():
+                if not h5py.h5ds.is_scale(data.id):
+                    columns[name] = (data.asstr() if data.dtype == object else data)[()]
+            case = file["study/case"][()]
+        return pd.DataFrame(columns, index=pd.Index(case, name="case")).astype({"finished": bool})
+
+    @cached_property
     def passes(self):
         """One row per pass and algorithm (P x A rows, pass by pass); None when the scene has no passes.
 
@@ -224,6 +237,38 @@ class Run:
         for name, values in columns.items():
             table[name] = values.ravel() if values.ndim == 2 else np.repeat(values, len(labels))
         return pd.DataFrame(table)
+
+    @cached_property
+    def extremes(self):
+        """One row per case and algorithm (S x A rows, step by step); None when the scene is not one of extremes.
+
+        Columns: step, algorithm (categorical), pair (of shapes), gap_class, gap (m, negative beyond touching),
+        gap_ulps, ulp (m), scale, offset (m), orientation_stream; truth, truth_moved, near_touching, reported, swapped,
+        moved (bool: as in the file), failed (bool), refused (bool: it failed because it refused the bodies).
+        """
+        columns = self._columns("extremes")
+        if not columns:
+            return None
+        steps, labels = self.meta["steps"], self.meta["algorithms"]
+        columns.pop("failure", None)
+        table = {
+            "step": np.repeat(np.arange(steps), len(labels)),
+            "algorithm": pd.Categorical.from_codes(np.tile(np.arange(len(labels)), steps), labels),
+        }
+        for name, values in columns.items():
+            if values.dtype == object:
+                values = np.array([text.decode() for text in values], dtype=object)
+            table[name] = values.ravel() if values.ndim == 2 else np.repeat(values, len(labels))
+        table = pd.DataFrame(table)
+        table["refused"] = table["failed"] == 1
+        flags = ["truth", "truth_moved", "near_touching", "reported", "swapped", "moved", "failed"]
+        return table.astype(dict.fromkeys(flags, bool))
+
+    @cached_property
+    def failures(self):
+        """Per algorithm what it said when it first failed at a case of extremes, "" when it never did; else None."""
+        with h5py.File(self.path) as file:
+            return list(file["extremes/failure"].asstr()[()]) if "extremes/failure" in file else None
 
     def _columns(self, group):
         """name -> values of a group's columns, its dimensions left out; empty when there is no such group."""
@@ -300,10 +345,6 @@ def _attributes(file, group):
 
 def _plain(value):
     return value.item() if isinstance(value, np.generic) else value
-
-
-def _text(values):
-    return [value.decode() if isinstance(value, bytes) else value for value in values]
 
 
 def _kind(shape):

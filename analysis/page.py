@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pandas as pd
 
-from analysis.figure import Figure, Table, Text
+from analysis.figure import Figure, Points, Table, Text
 
 LONG = 40  # characters: texts that are given room to be read in lines
 SHORT = 26  # characters: texts that do not break
@@ -80,6 +80,9 @@ def _part(part):
             f"<figcaption>{html.escape(part.caption)}</figcaption>\n"
             f"<details><summary>The numbers ({len(part.table)} rows)</summary>{rows}</details></figure>"
         )
+    if isinstance(part, Points):
+        items = "".join(f"<li>{html.escape(text)}</li>" for text in part.items)
+        return f'<div class="points"><h3>{html.escape(part.title)}</h3>\n<ul>{items}</ul></div>'
     if isinstance(part, Table):
         return (
             f'<div class="table"><h3>{html.escape(part.title)}</h3>\n{table(part.frame, part.title)}\n'

@@ -4,7 +4,7 @@ import json
 
 import pandas as pd
 
-from analysis import pareto, plots_error, thesis_figures
+from analysis import extremes_figures, findings, pareto, plots_error, study_figures, thesis_figures
 from analysis.figure import Section, Table, Text
 from analysis.page import page
 from analysis.plots_error import number
@@ -60,28 +60,49 @@ def report(runs):
 
 def sections(runs, found):
     """All sections in their order, the picture that the project is for first; a further one is a line here."""
-    return [
-        error_against_cost(runs, found),
-        summary(runs, found),
-        definitions(),
-        provenance(runs),
-        *thesis_figures.sections(runs),
-    ]
+    told = [part for part in [findings.section(runs)] if part]
+    studies = [run for run in runs if is_study(run)]
+    scenes = [run for run in runs if not is_study(run)]
+    usual = [run for run in scenes if not is_extremes(run)]
+    studied = [*study_figures.sections(studies, runs), *extremes_figures.sections(scenes)]
+    answered = [error_against_cost(scenes, found), summary(scenes, found), definitions()] if scenes else []
+    if not studied:
+        return [*answered, provenance(runs), *told, *study_figures.sections(usual), *thesis_figures.sections(usual)]
+    if not usual:
+        return [*told, *studied, *answered, provenance(runs)]
+    drifts = study_figures.sections(usual, runs)
+    return [*told, *answered, *studied, provenance(runs), *drifts, *thesis_figures.sections(usual)]
+
+
+def is_extremes(run):
+    return getattr(run, "extremes", None) is not None
+
+
+def is_study(run):
+    return getattr(run, "study", None) is not None
 
 
 def lead(runs, found):
     """What was run, in a line each."""
     labels = sum(len(scene.points) for scene in found)
-    lines = [
-        f"How often {labels} approximate collision tests between triangle meshes err, judged by exact answers, and what"
-        " they cost."
-    ]
+    lines = []
+    if labels or not any(map(is_study, runs)):
+        lines.append(
+            f"How often {labels} approximate collision tests between triangle meshes err, judged by exact answers, and"
+            " what they cost."
+        )
+    if any(map(is_study, runs)):
+        lines.append(
+            "When the simulated motion can be trusted: integrators judged by problems whose end is known, and by the"
+            " energy they keep."
+        )
     for run in runs:
         meta = run.meta
         machine = " on ".join(filter(None, (meta["run"].get("processor"), meta["run"].get("host"))))
         made = f"{meta.get('build_type', '')} build of commit {meta.get('git_commit', '?')[:7]}"
         what = f"{number(meta['steps'])} steps of {len(meta['bodies'])} bodies, {len(meta['algorithms'])} labels"
-        what = what if run.study is None else f"{len(run.study)} cases of a study of integrators"
+        if is_study(run):
+            what = f"{number(len(run.study))} cases of {run.study['integrator'].nunique()} integrators"
         title = f"{pareto.title(run)} ({pareto.name(run)}): {what}"
         lines.append(", ".join(filter(None, (title, made, machine, meta["run"].get("date", "")[:10]))))
     return lines
@@ -108,7 +129,8 @@ def warnings(runs, found):
                 f"{name}: the integration {_sentence(run.physics.attrs['status'])} From there on nothing moves and"
                 " nothing meets."
             )
-        if run.study is not None:
+        if is_study(run):
+            lines += [] if len(run.study) else [f"{name}: the study has no cases."]
             continue  # what follows is asked of scenes
         if not len(meta["algorithms"]):
             lines.append(f"{name}: no algorithm has answered; `pipeline detect` adds answers to the file.")
@@ -230,6 +252,7 @@ def provenance(runs):
         name = pareto.name(run)
         columns[name if name not in columns else f"{name} ({number})"] = pd.Series(_provenance(run))
     frame = pd.DataFrame(columns)
+    frame = frame.fillna("")
     frame = frame[(frame != "").any(axis=1)]
     frame.index.name = "file"
     caption = "The digest covers everything but times and names of machines: equal digests are equal results."
@@ -248,20 +271,24 @@ def _provenance(run):
     libraries = _versions(meta.get("library_versions", "{}"))
     inputs = _json(meta.get("inputs_sha256", "{}"))
     containment = meta["truth"].get("containment", "ignore")
-    return {
-        "title": meta.get("title", ""),
-        "steps": (
-            f"{number(meta['steps'])} at {meta['rate']:g} per second"
-            if meta["rate"] == meta["rate"]
-            else str(meta["steps"])
-        ),
-        "bodies": str(len(meta["bodies"])),
-        "pairs that meet": f"{number(int(run.truth_hits.sum()))} over all steps",
-        "containment": containment,
-        "algorithms": str(len(meta["algorithms"])),
-        "integration": (
-            run.physics.attrs["status"] if run.physics is not None else "none: the motion is scripted or replayed"
-        ),
+    if is_study(run):
+        of_scene = {"cases": number(len(run.study))}
+    else:
+        of_scene = {
+            "steps": (
+                f"{number(meta['steps'])} at {meta['rate']:g} per second"
+                if meta["rate"] == meta["rate"]
+                else str(meta["steps"])
+            ),
+            "bodies": str(len(meta["bodies"])),
+            "pairs that meet": f"{number(int(run.truth_hits.sum()))} over all steps",
+            "containment": containment,
+            "algorithms": str(len(meta["algorithms"])),
+            "integration": (
+                run.physics.attrs["status"] if run.physics is not None else "none: the motion is scripted or replayed"
+            ),
+        }
+    return {"title": meta.get("title", "")} | of_scene | {
         "made by": meta.get("creator", ""),
         "commit": meta.get("git_commit", ""),
         "build": f"{meta.get('build_type', '')}, {meta.get('compiler', '')}, {meta.get('flags', '')}",

@@ -6,7 +6,7 @@
 // what evaluates a guess has its rounding bounded.
 //
 // Rounding. Two triangles are moved by a corner of the first and scaled by a power of two so that every coordinate is
-// at most 2 in magnitude (Pair of triangles below). With u = 2^-53, in that frame:
+// at most 2 in magnitude (Frame below). With u = 2^-53, in that frame:
 // - A corner has the error of one difference, 2 u per coordinate; scaling is exact but for what underflows, 2^-1075.
 // - upper(): a point p = c0 + (s (c1 - c0) + t (c2 - c0)) with s, t >= 0 whose computed sum is at most 1. Edges are at
 //   most 4 per coordinate: 2 x 4 u for their rounding, 2 x 4 u for the products, 8 u and 10 u for the sums, 2 u for the

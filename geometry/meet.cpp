@@ -32,7 +32,7 @@ double dot(const Vec3& d, const Vec3& p) { return (d.x() * p.x() + d.y() * p.y()
 
 /// A guess, for the order of the questions only.
 bool hardly_touch(const Body& a, const Body& b) {
-  constexpr double kHardly = 0.02;  // of the smaller radius; measured: tests/benchmarks/truth_bench.cpp
+  constexpr double kHardly = 0.005;  // of the smaller radius; measured: tests/benchmarks/truth_bench.cpp
   const Vec3 between = b.at.middle - a.at.middle;
   const double reach = a.around.radius + b.around.radius - kHardly * std::min(a.around.radius, b.around.radius);
   return dot(between, between) > reach * reach;
@@ -97,8 +97,8 @@ bool Decision::decide(const Body& a, const Body& b, const Margin& close, Lesson&
     placed_[1].place(b);
     return placed_meet(a, placed_[0], b, placed_[1], placed_stack_, operations_);
   }
-  // A pair that parted is asked for its direction first, and so is one whose bounding spheres hardly touch. Of the
-  // others that are new to each other most meet: they are asked after the descent.
+  // A pair that parted is asked for its direction first, and so is one whose bounding spheres hardly touch. Others
+  // mostly meet, and directions found after a descent in vain separated too rarely to pay for themselves.
   const bool first = !met && (lesson.direction != std::array<float, 3>{} || hardly_touch(a, b));
   if (first && separated(a, b, close, lesson)) return false;
   const Relative relative(a, b, close);
@@ -107,7 +107,6 @@ bool Decision::decide(const Body& a, const Body& b, const Margin& close, Lesson&
     return true;
   if (descend(a, b, relative, {0, 0}, lesson)) return true;
   lesson.a_facet = lesson.b_facet = kNone;
-  if (!first) separated(a, b, close, lesson);
   return false;
 }
 
@@ -119,21 +118,20 @@ bool Decision::facets_meet(const Body& a, const Body& b, Lesson& lesson) {
 /// Asks the best direction known, and learns the next to try: the direction mirrored at the plane between the two
 /// supports (K. Chung, W. Wang, "Quick collision detection of polytopes in virtual environments", 1996).
 bool Decision::separated(const Body& a, const Body& b, const Margin& close, Lesson& lesson) {
-  constexpr int kTries = 2;  // measured: tests/benchmarks/truth_bench.cpp
   Vec3 direction(lesson.direction[0], lesson.direction[1], lesson.direction[2]);
   if (direction == Vec3::Zero()) direction = b.at.middle - a.at.middle;
-  for (int i = 0; i < kTries; ++i) {
-    const double length = std::sqrt(dot(direction, direction));
-    if (!(length > 0)) break;  // one middle
-    for (int k = 0; k < 3; ++k) lesson.direction[k] = static_cast<float>(direction[k] / length);
-    direction = Vec3(lesson.direction[0], lesson.direction[1], lesson.direction[2]);
-    const Slab slab = find_slab(a, b, direction, close, operations_);
-    if (slab.apart) return true;
-    const Vec3 between = slab.to - slab.from;
-    const double square = dot(between, between);
-    if (square > 0) direction -= 2 * dot(between, direction) / square * between;
-  }
-  for (int k = 0; k < 3; ++k) lesson.direction[k] = static_cast<float>(direction[k]);
+  const double length = std::sqrt(dot(direction, direction));
+  if (!(length > 0)) return false;  // one middle
+  const auto keep = [&](const Vec3& d) {
+    for (int k = 0; k < 3; ++k) lesson.direction[k] = static_cast<float>(d[k]);
+  };
+  keep(direction / length);
+  direction = Vec3(lesson.direction[0], lesson.direction[1], lesson.direction[2]);
+  const Slab slab = find_slab(a, b, direction, close, operations_);
+  if (slab.apart) return true;
+  const Vec3 between = slab.to - slab.from;
+  const double square = dot(between, between);
+  if (square > 0) keep(direction - 2 * dot(between, direction) / square * between);
   return false;
 }
 

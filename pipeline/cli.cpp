@@ -50,11 +50,15 @@ int finish(const Result& result, const std::string& path, bool json) {
   return bad.empty() ? kDone : kFailed;
 }
 
-/// A result for commands that need a whole one: the part of a run that is not finished has nothing to judge yet.
+/// A result for commands that need a whole one of a scene: the part of a run that is not finished has nothing to judge
+/// yet, and a study of integrators nothing at all.
 Result whole_result(const std::string& file) {
   if (std::error_code none; std::filesystem::is_directory(file, none) && file.ends_with(".part"))
     throw Error(kFile, file + ": is an unfinished run; finish it with the same `pipeline run`, then name the result");
-  return read_result(file);
+  Result result = read_result(file);
+  if (result.study)
+    throw Error(kFile, file + ": is a study of the integrators, without poses and answers; name a result of a scene");
+  return result;
 }
 
 struct VerifyOptions {
@@ -126,9 +130,9 @@ int dispatch(int argc, const char* const* argv) {
   detect_command->add_flag("--json", json, "Print the summary as JSON");
 
   CLI::App* list_command = app.add_subcommand("list", "List what configurations can name");
-  list_command->add_option("WHAT", what, "algorithms, scenes, shapes or integrators")
+  list_command->add_option("WHAT", what, "algorithms, scenes, shapes, integrators or problems")
       ->required()
-      ->check(CLI::IsMember({"algorithms", "scenes", "shapes", "integrators"}));
+      ->check(CLI::IsMember({"algorithms", "scenes", "shapes", "integrators", "problems"}));
   list_command->add_flag("--json", json, "Print JSON");
 
   CLI::App* show_command = app.add_subcommand("show", "Summary, provenance and digests of a result");
@@ -200,7 +204,7 @@ int dispatch(int argc, const char* const* argv) {
     const std::filesystem::path target = output_path(config, options);
     const Plan planned = plan(config);
     refuse_if_too_large(planned, target);
-    refuse_unfit(config.scene_kind->make(config).bodies, config.algorithms);
+    if (!config.study && planned.case_sets == 0) refuse_unfit(config.scene_kind->make(config).bodies, config.algorithms);
     put(json ? plan_json(config, planned, target.string()) : plan_text(config, planned, target.string()));
     return kDone;
   }

@@ -13,6 +13,7 @@
 #include "pipeline/document.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/scene.hpp"
+#include "pipeline/study.hpp"
 #include "pipeline/truth.hpp"
 #include "pipeline/words.hpp"
 
@@ -233,6 +234,7 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   for (const std::string& set : sets) document.set(set);
 
   const Section root(document);
+  if (root.has("study")) return study_config(root, text, path, title(root, one_line(path.stem().string(), kMostTitle)));
   root.only({"title", "seed", "steps", "rate", "scene", "physics", "truth", "timing", "algorithm"});
   Config config;
   config.path = path;
@@ -258,7 +260,7 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
 
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets) {
   Config config = parse_config(bytes_of(path), path, sets);
-  if (config.scene_kind->complete) {
+  if (config.scene_kind && config.scene_kind->complete) {
     config.scene_kind->complete(config);
     config.effective = effective(config);
   }

@@ -104,6 +104,14 @@ struct ReplayScene {
   std::shared_ptr<const ReplayInputs> inputs;  // read_config fills it
 };
 
+/// kind = "extremes": pairs around exact touching, at every scale and offset that go together.
+struct ExtremesScene {
+  std::vector<std::string> pairs;                                  // names; all there are
+  std::vector<double> scales{1e-9, 1e-6, 1e-3, 1, 1e3, 1e6, 1e9};  // m, half the extent of a body, about
+  std::vector<double> offsets{0, 1e3, 1e6, 1e9};                   // m, of each coordinate
+  std::int64_t orientations = 1;                                   // random ones of each pair, scale and offset
+};
+
 /// The physical radius of a contact sphere: the shape's, or that of the greatest ball inside its mesh.
 enum class ContactRadius { nominal, inscribed };
 
@@ -114,6 +122,26 @@ struct AlgorithmChoice {
   algorithms::Knobs knobs;  // all of them, presets filled in
 };
 
+/// One [[sweep]] of a study: every combination of its values is a case.
+struct Sweep {
+  std::string name, problem;
+  std::vector<std::string> integrators;
+  std::vector<double> accuracies;                                   // a step in s for those that control no error
+  std::vector<double> fixed_steps;                                  // s, for those that take one
+  std::vector<std::string> units;                                   // "SI" or "scaled"
+  std::vector<std::pair<std::string, std::vector<double>>> values;  // of the problem's parameters, all of them
+};
+
+/// study = "integration": cases instead of a scene.
+struct Study {
+  std::vector<Sweep> sweeps;
+  std::int64_t every = 1;  // of all cases only each so manieth is run, from the first
+  // Of each case:
+  std::int64_t force_evaluations = 1000000;
+  double processor_time = 60;  // s
+  double energy_bound = 10;    // of the problem's energy: more gained is a failure
+};
+
 struct SceneKind;  // pipeline/scene.hpp
 
 struct Config {
@@ -122,10 +150,11 @@ struct Config {
   std::string effective;  // the whole configuration after defaults and --set, as TOML; reading it gives this Config
   std::string title;
   std::int64_t seed = 1;
-  std::int64_t steps = 600;                                                  // samples, step 0 included
-  double rate = 60;                                                          // samples per second
-  const SceneKind* scene_kind = nullptr;                                     // a row of scene_kinds()
-  std::variant<FallingScene, BoxScene, PlaygroundScene, ReplayScene> scene;  // of that kind
+  std::int64_t steps = 600;               // samples, step 0 included
+  double rate = 60;                       // samples per second
+  std::optional<Study> study;             // then it has no scene and nothing of what follows but texts and notes
+  const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
+  std::variant<FallingScene, BoxScene, PlaygroundScene, ReplayScene, ExtremesScene> scene;  // of that kind
   Physics physics;                                                           // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;

@@ -363,6 +363,32 @@ void Section::reals(std::string_view key, std::span<double> values, const Range&
     values[i] = real_of(std::string(key) + '.' + std::to_string(i), *array->get(i), range);
 }
 
+std::vector<double> Section::numbers(std::string_view key, const std::vector<double>& preset,
+                                     const Range& range) const {
+  if (!has(key)) return preset;
+  const toml::array* array = node(key)->as_array();
+  if (!array || array->empty()) refuse(key, "be an array of at least one number");
+  std::vector<double> out;
+  for (const toml::node& entry : *array)
+    out.push_back(real_of(std::string(key) + '.' + std::to_string(out.size()), entry, range));
+  return out;
+}
+
+std::vector<double> Section::numbers(std::string_view key, const Range& range, bool whole) const {
+  std::vector<double> out;
+  if (!has(key)) return out;
+  const auto add = [&](std::string_view name, const toml::node& entry) {
+    out.push_back(real_of(name, entry, range));
+    if (whole && out.back() != std::floor(out.back())) refuse_node(name, entry, "be a whole number");
+  };
+  const toml::array* array = node(key)->as_array();
+  if (!array) add(key, *node(key));
+  if (array && array->empty()) refuse(key, "be a number or an array of at least one");
+  if (array)
+    for (const toml::node& entry : *array) add(std::string(key) + '.' + std::to_string(out.size()), entry);
+  return out;
+}
+
 std::vector<std::pair<std::string, double>> Section::named_reals(std::string_view key,
                                                                  const std::vector<std::string>& known,
                                                                  const Range& range) const {

@@ -97,6 +97,10 @@ class Section {
   /// Arrays of exactly so many; `values` are presets before and the answer after.
   void integers(std::string_view key, std::span<std::int64_t> values, std::int64_t least, std::int64_t most) const;
   void reals(std::string_view key, std::span<double> values, const Range& range) const;
+  /// An array of at least one number.
+  std::vector<double> numbers(std::string_view key, const std::vector<double>& preset, const Range& range) const;
+  /// A number or an array, not empty, of numbers; none when it is absent. `whole`: without a fraction.
+  std::vector<double> numbers(std::string_view key, const Range& range, bool whole = false) const;
   /// An array of [member of `known`, number]; none when it is absent.
   std::vector<std::pair<std::string, double>> named_reals(std::string_view key, const std::vector<std::string>& known,
                                                           const Range& range) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <concepts>
 #include <cstring>
 #include <numeric>
@@ -103,6 +104,12 @@ struct Sizes {
   Dimension axis{"/axis", 3}, component{"/component", 4}, side{"/side", 2};
 };
 
+Dataset config(const Result& result) {
+  Dataset out = texts("/config", {result.config_text}, {}, "the configuration as read, TOML");
+  out.attributes.push_back({"effective", result.config_effective});
+  return out;
+}
+
 Group root(const Result& result, const Sizes& n) {
   const Provenance& from = result.provenance;
   Group group{"/",
@@ -118,6 +125,11 @@ Group root(const Result& result, const Sizes& n) {
                {"inputs_sha256", from.inputs_sha256}},
               {},
               true};
+  auto& datasets = group.datasets;
+  if (result.study) {
+    datasets.push_back(config(result));
+    return group;
+  }
   std::vector<std::int64_t> step(result.steps());
   std::iota(step.begin(), step.end(), 0);
   std::vector<double> time(result.steps());
@@ -125,7 +137,6 @@ Group root(const Result& result, const Sizes& n) {
   std::vector<std::string> labels;
   for (const Answers& answers : result.answers) labels.push_back(answers.label);
 
-  auto& datasets = group.datasets;
   datasets.push_back(scale(owning("/step", step, {n.step}, "1", "samples of time, from 0"), true));
   datasets.push_back(scale(texts("/body", result.bodies.name, {n.body}, "names of the bodies")));
   if (!labels.empty())
@@ -137,8 +148,7 @@ Group root(const Result& result, const Sizes& n) {
 
   datasets.push_back(owning("/time", time, {n.step}, "s", "time of the step"));
   datasets.back().attributes.push_back({"rate", result.rate});
-  datasets.push_back(texts("/config", {result.config_text}, {}, "the configuration as read, TOML"));
-  datasets.back().attributes.push_back({"effective", result.config_effective});
+  datasets.push_back(config(result));
   return group;
 }
 
@@ -207,6 +217,7 @@ Group motion(const Result& result, const Sizes& n) {
 
 Group physics(const PhysicsRows& physics, const Sizes& n) {
   Group group{"/physics", {{"status", physics.status}}, {}};
+  if (!std::isnan(physics.quaternion_drift)) group.attributes.push_back({"quaternion_drift", physics.quaternion_drift});
   assert(physics.rows.size() == n.step.size && "a row for every step");
   const auto add = [&]<typename Stored>(const auto& columns, Stored) {
     for (const auto& column : columns) {
@@ -363,6 +374,60 @@ Group passes(const Passes& passes, const Sizes& n) {
   return group;
 }
 
+Group extremes(const Extremes& extremes, const Sizes& n) {
+  Group group{"/extremes", {}, {}};
+  auto& datasets = group.datasets;
+  const auto name = [](const auto& column) { return std::string("/extremes/") + column.name; };
+  assert(extremes.rows.size() == n.step.size && "a row for every step");
+  const auto values_of = [&]<typename T>(const Column<ExtremeCase, T>& column) {
+    std::vector<T> values;
+    for (const ExtremeCase& row : extremes.rows) values.push_back(row.*column.member);
+    return values;
+  };
+  const auto add = [&](const auto& columns) {
+    for (const auto& column : columns)
+      datasets.push_back(owning(name(column), values_of(column), {n.step}, column.units, column.long_name));
+  };
+  for (const auto& column : kCaseTexts)
+    datasets.push_back(texts(name(column), values_of(column), {n.step}, column.long_name));
+  add(kCaseReals);
+  add(kCaseIntegers);
+  add(kCaseCounts);
+  add(kCaseFlags);
+  const std::size_t algorithms = extremes.answers.size();
+  if (algorithms == 0) return group;
+  for (const auto& column : kCaseAnswerFlags) {
+    std::vector<std::uint8_t> table(n.step.size * algorithms);
+    for (std::size_t a = 0; a < algorithms; ++a)
+      for (std::size_t s = 0; s < n.step.size; ++s) table[s * algorithms + a] = (extremes.answers[a].*column.member)[s];
+    datasets.push_back(owning(name(column), table, {n.step, n.algorithm}, column.units, column.long_name));
+  }
+  std::vector<std::string> reasons;
+  for (const ExtremeAnswers& answers : extremes.answers) reasons.push_back(answers.reason);
+  datasets.push_back(texts(std::string("/extremes/") + kCaseReason, std::move(reasons), {n.algorithm},
+                           "what the algorithm said when it first failed; empty: it never did"));
+  return group;
+}
+
+Group study(const std::vector<StudyRow>& rows) {
+  const Dimension cases{"/study/case", rows.size()};
+  Group group{"/study", {}, {}};
+  auto& datasets = group.datasets;
+  std::vector<std::int64_t> number(rows.size());
+  std::iota(number.begin(), number.end(), 0);
+  datasets.push_back(scale(owning(cases.scale, number, {cases}, "1", "number of the case, from 0")));
+  each_study_column([&]<typename T>(const Column<StudyRow, T>& column, Type) {
+    std::vector<std::conditional_t<std::same_as<T, bool>, std::uint8_t, T>> values;
+    for (const StudyRow& row : rows) values.push_back(row.*column.member);
+    const std::string path = std::string("/study/") + column.name;
+    if constexpr (std::same_as<T, std::string>)
+      datasets.push_back(texts(path, std::move(values), {cases}, column.long_name));
+    else
+      datasets.push_back(owning(path, values, {cases}, column.units, column.long_name));
+  });
+  return group;
+}
+
 Group run(const Provenance& from) {
   return {"/run",
           {{"date", from.date}, {"host", from.host}, {"processor", from.processor}, {"wall_time_s", from.wall_time_s}},
@@ -397,6 +462,11 @@ std::vector<Group> layout(const Result& result) {
   const Sizes n(result);
   std::vector<Group> groups;
   groups.push_back(root(result, n));
+  if (result.study) {
+    groups.push_back(study(*result.study));
+    groups.push_back(run(result.provenance));
+    return groups;
+  }
   groups.push_back(bodies(result, n));
   for (const geometry::Mesh& shape : result.bodies.meshes) groups.push_back(mesh(shape));
   groups.push_back(motion(result, n));
@@ -408,6 +478,7 @@ std::vector<Group> layout(const Result& result) {
     groups.push_back(summary(result, n));
   }
   if (result.passes) groups.push_back(passes(*result.passes, n));
+  if (result.extremes) groups.push_back(extremes(*result.extremes, n));
   groups.push_back(run(result.provenance));
   return groups;
 }

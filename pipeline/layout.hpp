@@ -96,6 +96,32 @@ inline constexpr Column<GapLists, std::vector<double>> kGapReals[] = {
     {"gap_lower", &GapLists::lower, "m", "the distance of the pair's surfaces is at least this, certified"},
     {"gap_upper", &GapLists::upper, "m", "the distance of the pair's surfaces is at most this, certified"}};
 
+inline constexpr Column<ExtremeCase, std::string> kCaseTexts[] = {
+    {"pair", &ExtremeCase::pair, "1", "the two shapes"},
+    {"gap_class", &ExtremeCase::gap_class, "1",
+     "the gap as it was asked for: ulps, or a part of the scale; negative: beyond touching"}};
+inline constexpr Column<ExtremeCase, double> kCaseReals[] = {
+    {"gap", &ExtremeCase::gap, "m", "displacement along the approach from exact touching; positive: apart"},
+    {"ulp", &ExtremeCase::ulp, "m", "spacing of doubles at the greatest coordinate, offset + 8 scale"},
+    {"scale", &ExtremeCase::scale, "m", "size of the bodies: about half their extent"},
+    {"offset", &ExtremeCase::offset, "m", "of each coordinate of the first body"}};
+inline constexpr Column<ExtremeCase, std::int64_t> kCaseIntegers[] = {
+    {"gap_ulps", &ExtremeCase::gap_ulps, "1", "gap in units of ulp"}};
+inline constexpr Column<ExtremeCase, std::uint64_t> kCaseCounts[] = {
+    {"orientation_stream", &ExtremeCase::orientation, "1", "stream of the seed that turned the two and chose the way"}};
+inline constexpr Column<ExtremeCase, std::uint8_t> kCaseFlags[] = {
+    {"truth", &ExtremeCase::truth, "1", "1 when the pair meets, by which answers are scored"},
+    {"truth_moved", &ExtremeCase::truth_moved, "1",
+     "1 when the surfaces meet with both bodies moved by an exactly representable step"},
+    {"near_touching", &ExtremeCase::near_touching, "1",
+     "1 within 1000 ulps of touching, or where the truth changes within 1000 ulps: to be counted apart"}};
+inline constexpr Column<ExtremeAnswers, std::vector<std::uint8_t>> kCaseAnswerFlags[] = {
+    {"reported", &ExtremeAnswers::reported, "1", "1 when the algorithm reported the pair"},
+    {"swapped", &ExtremeAnswers::swapped, "1", "its answer with the two bodies in the other order"},
+    {"moved", &ExtremeAnswers::moved, "1", "its answer with both bodies moved by an exactly representable step"},
+    {"failed", &ExtremeAnswers::failed, "1", "1: it refused the bodies, 2: it threw; then its other flags are 0"}};
+inline constexpr char kCaseReason[] = "failure";
+
 // A column of /results and of /summary, there only with Containment::record.
 inline constexpr char kContainedHit[] = "contained_hit";
 inline constexpr char kContainedHitWhat[] =
@@ -153,5 +179,66 @@ inline constexpr Column<PassAnswers, std::vector<double>> kPassAnswerReals[] = {
 inline constexpr Column<PassAnswers, std::vector<std::uint64_t>> kPassAnswerCounts[] = {
     {"flicker", &PassAnswers::flicker, "1", "changes of its answer between neighbouring samples that both truly meet"},
     {"hits", &PassAnswers::hits, "1", "samples reported, whether they truly meet or not"}};
+
+inline constexpr Column<StudyRow, std::string> kStudyTexts[] = {
+    {"sweep", &StudyRow::sweep, "1", "name of the [[sweep]] of the configuration"},
+    {"problem", &StudyRow::problem, "1", "what is integrated (pipeline list problems)"},
+    {"integrator", &StudyRow::integrator, "1", "name of the integrator"},
+    {"units", &StudyRow::units, "1", "SI, or scaled: integrated in units of the problem's own length, mass and time"},
+    {"status", &StudyRow::status, "1",
+     "finished, exception, not_finite, energy, evaluations, time, tunnelled or aborted"},
+    {"reason", &StudyRow::reason, "1", "why it did not finish"}};
+/// What a case is made of; NaN where its problem has no such parameter.
+inline constexpr Column<StudyRow, double> kStudyParameters[] = {
+    {"accuracy", &StudyRow::accuracy, "1", "accuracy asked of the integrator; NaN: the step is fixed"},
+    {"fixed_step", &StudyRow::fixed_step, "s", "length of every step; NaN: chosen by the accuracy"},
+    {"nominal_order", &StudyRow::nominal_order, "1", "order of the integrator by its documentation; NaN: it varies"},
+    {"duration", &StudyRow::duration, "s", "simulated time"},
+    {"greatest_step", &StudyRow::greatest_step, "s", "steps are at most of this length"},
+    {"radius", &StudyRow::radius, "m", "radius of the ball"},
+    {"thickness", &StudyRow::thickness, "m", "thickness of the plate"},
+    {"offset", &StudyRow::offset, "m", "everything is moved so far along x, y and z"},
+    {"mass", &StudyRow::mass, "kg", "mass of the ball"},
+    {"inertia", &StudyRow::inertia, "kg m^2", "moment of inertia of the ball"},
+    {"balls", &StudyRow::balls, "1", "balls in the stack"},
+    {"mass_ratio", &StudyRow::mass_ratio, "1", "mass of the topmost ball over that of each other"},
+    {"speed", &StudyRow::speed, "m/s", "speed of approach or of the throw"},
+    {"transition_velocity", &StudyRow::transition_velocity, "m/s", "slip at which friction is greatest"},
+    {"stiffness", &StudyRow::stiffness, "Pa", "plane-strain modulus of the surfaces"},
+    {"dissipation", &StudyRow::dissipation, "s/m", "Hunt and Crossley's"}};
+inline constexpr Column<StudyRow, double> kStudyReals[] = {
+    {"reached", &StudyRow::reached, "s", "simulated time reached"},
+    {"error", &StudyRow::error, "1",
+     "greatest over the bodies at the end: position error over the problem's length, or orientation error in rad; NaN: "
+     "no reference"},
+    {"position_error", &StudyRow::position_error, "m", "greatest error of a position at the end"},
+    {"orientation_error", &StudyRow::orientation_error, "rad", "greatest error of an orientation at the end"},
+    {"energy_error", &StudyRow::energy_error, "1",
+     "energy gained (positive) or lost against its balance, over the problem's energy: the worst of the whole time"},
+    {"momentum_drift", &StudyRow::momentum_drift, "1",
+     "worst deviation of linear or angular momentum from its balance, over the problem's; NaN: no balance is known"},
+    {"greatest_penetration", &StudyRow::greatest_penetration, "m", "greatest depth of a contact after a step"},
+    {"smallest_step", &StudyRow::smallest_step, "s", "shortest step but the last"},
+    {"preventing_step", &StudyRow::preventing_step, "s",
+     "where the ball tunnelled: the greatest step that stops it, from whatever phase; NaN: none was found"}};
+inline constexpr Column<StudyRow, std::uint64_t> kStudyCounts[] = {
+    {"steps", &StudyRow::steps, "1", "internal steps"},
+    {"rejected_steps", &StudyRow::rejected_steps, "1", "internal steps tried and rejected"},
+    {"force_evaluations", &StudyRow::force_evaluations, "1", "evaluations of forces"}};
+inline constexpr Column<StudyRow, bool> kStudyFinished{"finished", &StudyRow::finished, "1",
+                                                       "1 when the end was reached"};
+inline constexpr Column<StudyRow, std::int64_t> kStudyTime{
+    "time_ns", &StudyRow::time_ns, "ns", "time of processor for the integration; the fastest of up to five"};
+
+/// Tells `each` every column of /study with the type in which it is stored, in the file's order.
+template <typename Each>
+void each_study_column(const Each& each) {
+  for (const auto& column : kStudyTexts) each(column, Type::text);
+  for (const auto& column : kStudyParameters) each(column, Type::f64);
+  for (const auto& column : kStudyReals) each(column, Type::f64);
+  for (const auto& column : kStudyCounts) each(column, Type::u64);
+  each(kStudyFinished, Type::u8);
+  each(kStudyTime, Type::i64);
+}
 
 }  // namespace pipeline

@@ -1,6 +1,7 @@
 #include "pipeline/motion.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -152,7 +153,14 @@ Motion integrate(const Config& config, const Scene& scene, const Part& part, Pro
     reference_energy = chunk.reference_energy;
     for (std::size_t s = 0; s < chunk.rows.size(); ++s) {
       std::vector<geometry::Pose> poses(bodies);
-      for (std::size_t b = 0; b < bodies; ++b) poses[b] = pose_of(chunk.samples[s * bodies + b]);
+      for (std::size_t b = 0; b < bodies; ++b) {
+        const BodyState& state = chunk.samples[s * bodies + b];
+        poses[b] = pose_of(state);
+        if (!is_born(state)) continue;
+        double norm = 0;
+        for (const double part_of_q : state.orientation) norm += part_of_q * part_of_q;
+        motion.physics.quaternion_drift = std::fmax(motion.physics.quaternion_drift, std::fabs(std::sqrt(norm) - 1));
+      }
       motion.poses.push_back(std::move(poses));
       motion.physics.rows.push_back(chunk.rows[s]);
       seconds_spent += double(chunk.rows[s].time_ns) * 1e-9;

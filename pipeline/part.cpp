@@ -127,6 +127,11 @@ PartStatus part_status(const fs::path& folder) {
   PartStatus status{.title = text_in(manifest, "title"), .steps = whole ? manifest["steps"].get<std::int64_t>() : 0};
   if (status.steps < 1 || status.steps > kMostSteps)
     throw Error(kFile, folder.string() + ": is not an unfinished run of this program (no readable " + kManifest + ")");
+  status.study = manifest.contains("study");
+  if (status.study) {
+    for (std::int64_t i = 0; i < status.steps; ++i) status.cases += fs::exists(folder / chunk_name("case", i));
+    return status;
+  }
   for (std::int64_t step = 0; step < status.steps; step += kChunkSteps) {
     const std::int64_t count = std::min(kChunkSteps, status.steps - step);
     if (fs::exists(folder / chunk_name("motion", step))) status.motion_steps += count;
@@ -136,7 +141,8 @@ PartStatus part_status(const fs::path& folder) {
   return status;
 }
 
-Part::Part(const fs::path& folder, const PartKey& key, const std::string& title, std::int64_t steps, bool force)
+Part::Part(const fs::path& folder, const PartKey& key, const std::string& title, std::int64_t steps, bool force,
+           bool study)
     : folder_(folder) {
   std::error_code error;
   if (folder.has_parent_path()) fs::create_directories(folder.parent_path(), error);
@@ -159,14 +165,19 @@ Part::Part(const fs::path& folder, const PartKey& key, const std::string& title,
     throw Error(kFile, folder.string() + ": is being written by another run; wait for it or choose another -o");
   }
 
-  const nlohmann::json mine = {{"config_sha256", key.config_sha256},
-                               {"inputs_sha256", key.inputs_sha256},
-                               {"program_sha256", key.program_sha256},
-                               {"title", title},
-                               {"steps", steps}};
+  nlohmann::json mine = {{"config_sha256", key.config_sha256},
+                         {"inputs_sha256", key.inputs_sha256},
+                         {"program_sha256", key.program_sha256},
+                         {"title", title},
+                         {"steps", steps}};
+  if (study) mine["study"] = true;
   seal_ = mine.dump();
   const nlohmann::json found = manifest_of(folder);
   if (found == mine) {
+    if (study) {
+      resumed_ = part_status(folder).cases > 0;
+      return;
+    }
     resumed_ = fs::exists(folder / chunk_name("motion", 0)) || fs::exists(folder / chunk_name("truth", 0));
     return;
   }

@@ -20,8 +20,8 @@ constexpr std::int64_t kChunkSteps = 50;
 
 /// What a part belongs to: resumed only when all of it is equal.
 struct PartKey {
-  std::string config_sha256;   // of the effective configuration
-  std::string program_sha256;  // of the program's own file
+  std::string config_sha256;       // of the effective configuration
+  std::string program_sha256;      // of the program's own file
   std::string inputs_sha256 = {};  // of the list of all other files read, with their hashes
   bool operator==(const PartKey&) const = default;
 };
@@ -31,6 +31,8 @@ struct PartStatus {
   std::string title;
   std::int64_t steps = 0;
   std::int64_t motion_steps = 0, truth_steps = 0, answered_steps = 0;
+  bool study = false;      // then `steps` are cases
+  std::int64_t cases = 0;  // finished
 };
 PartStatus part_status(const std::filesystem::path& folder);
 
@@ -38,8 +40,9 @@ class Part {
  public:
   /// Opens or makes the folder. Throws Error(kFile) when another run holds it, when it belongs to another configuration
   /// or build and `force` is false (with force it is emptied), or when it cannot be written.
+  /// Of a study `steps` are its cases.
   Part(const std::filesystem::path& folder, const PartKey& key, const std::string& title, std::int64_t steps,
-       bool force);
+       bool force, bool study = false);
   ~Part();
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;

@@ -101,9 +101,66 @@ struct Passes {
   std::vector<PassAnswers> answers;  // A
 };
 
+/// One step of a scene of extremes: a row of /extremes.
+struct ExtremeCase {
+  std::string pair, gap_class;     // the two shapes; the gap as it was asked for: "+10 ulp", "-1e-3"
+  double gap = 0;                  // m along the approach from exact touching, positive: apart
+  std::int64_t gap_ulps = 0;       // the same in units of `ulp`
+  double ulp = 0;                  // m, the spacing of doubles at the greatest coordinate of the step's bodies
+  double scale = 0, offset = 0;    // m
+  std::uint64_t orientation = 0;   // which stream of the seed turned the two
+  std::uint8_t truth = 0;          // 1: they meet
+  std::uint8_t truth_moved = 0;    // 1: they meet when both are moved by an exactly representable step
+  std::uint8_t near_touching = 0;  // 1: within 1000 ulps of touching, or the truth changes within 1000 ulps
+};
+
+/// What one algorithm said about the cases: a column of /extremes. S flags each.
+struct ExtremeAnswers {
+  std::vector<std::uint8_t> reported, swapped, moved;  // as placed, in the other order, both moved
+  std::vector<std::uint8_t> failed;  // 1: it refused the bodies, 2: it threw at the step; then nothing is reported
+  std::string reason;                // of the first failure
+};
+
+struct Extremes {
+  std::vector<ExtremeCase> rows;        // S
+  std::vector<ExtremeAnswers> answers;  // A
+};
+
 struct PhysicsRows {
   std::vector<PhysicsSample> rows;  // S
   std::string status;               // "complete", or "failed at step K: why"
+  // Greatest | |q| - 1 | of the integrator's quaternions at samples, before they become poses; NaN: not known.
+  double quaternion_drift = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// One case of a study of the integrators: a row of /study. A parameter that its problem does not have is NaN.
+struct StudyRow {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  // What is integrated, and how.
+  std::string sweep, problem, integrator;
+  std::string units = "SI";                        // or "scaled": in units of the problem's own length, mass and time
+  double accuracy = kNone;                         // NaN with a fixed step
+  double fixed_step = kNone;                       // s; NaN when the accuracy chooses the steps
+  double nominal_order = kNone;                    // NaN: it varies
+  double duration = kNone, greatest_step = kNone;  // s
+  double radius = kNone, thickness = kNone, offset = kNone;  // m
+  double mass = kNone, inertia = kNone;                      // kg, kg m^2
+  double balls = kNone, mass_ratio = kNone;                  // 1
+  double speed = kNone, transition_velocity = kNone;         // m/s
+  double stiffness = kNone;                                  // Pa
+  double dissipation = kNone;                                // s/m
+
+  // What came of it. `status` is one of README's, `reason` says in words why it did not finish.
+  std::string status = "not run", reason;
+  double reached = kNone;                                                   // s
+  double error = kNone, position_error = kNone, orientation_error = kNone;  // 1, m, rad
+  double energy_error = kNone, momentum_drift = kNone;                      // 1
+  double greatest_penetration = kNone, smallest_step = kNone;               // m, s
+  double preventing_step = kNone;                                           // s
+  std::uint64_t steps = 0, rejected_steps = 0, force_evaluations = 0;
+  bool finished = false;
+  std::int64_t time_ns = 0;  // of processor
 };
 
 /// Where a result comes from; attributes of the root and of /run.
@@ -125,9 +182,12 @@ struct Result {
   std::vector<std::vector<geometry::Pose>> motion;  // S x B
   std::optional<PhysicsRows> physics;               // only when integrated
   Truth truth;
-  std::vector<Answers> answers;  // A
-  std::vector<Summary> summary;  // A
-  std::optional<Passes> passes;  // only of scenes that have some
+  std::vector<Answers> answers;      // A
+  std::vector<Summary> summary;      // A
+  std::optional<Passes> passes;      // only of scenes that have some
+  std::optional<Extremes> extremes;  // only of scenes of extremes
+  // Of studies of the integrators, which have nothing of the above but title and configuration.
+  std::optional<std::vector<StudyRow>> study;
   Provenance provenance;
   std::string digest;  // of the root; filled in by write and read
 

@@ -8,6 +8,7 @@
 
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/extremes.hpp"
 #include "pipeline/motion.hpp"
 #include "pipeline/part.hpp"
 #include "pipeline/passes.hpp"
@@ -16,6 +17,7 @@
 #include "pipeline/scene.hpp"
 #include "pipeline/score.hpp"
 #include "pipeline/store.hpp"
+#include "pipeline/study.hpp"
 #include "pipeline/truth.hpp"
 
 namespace pipeline {
@@ -37,6 +39,51 @@ std::vector<std::int64_t> first_steps(const std::vector<std::vector<geometry::Po
   return first;
 }
 
+/// What an unfinished run of this configuration, build and machine belongs to. The libraries and the processor belong
+/// to the build: Simbody's motion depends on them.
+PartKey part_key(const Config& config, const Provenance& from) {
+  return {.config_sha256 = sha256(config.effective),
+          .program_sha256 = sha256(program_sha256() + from.library_versions + from.processor),
+          .inputs_sha256 = sha256(nlohmann::json(config.inputs).dump())};
+}
+
+/// What every result says of itself.
+void describe(Result& result, const Config& config, Provenance from, std::chrono::steady_clock::time_point start) {
+  result.title = config.title;
+  result.config_text = config.text;
+  result.config_effective = config.effective;
+  result.rate = config.rate;
+  result.provenance = std::move(from);
+  result.provenance.config_sha256 = sha256(config.text);
+  result.provenance.inputs_sha256 = nlohmann::json(config.inputs).dump();
+  result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+int thread_count(const RunOptions& options) {
+  return options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+/// A study: cases instead of a scene.
+Result run_study(const Config& config, const RunOptions& options, std::chrono::steady_clock::time_point start) {
+  const fs::path output = output_path(config, options);
+  const fs::path part_path = output.string() + ".part";
+  Provenance from = provenance();
+  const std::vector<StudyRow> cases = study_cases(*config.study);
+  Target target(output, options.force);
+  Part part(part_path, part_key(config, from), config.title, std::int64_t(cases.size()), options.force, true);
+  if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
+  Result result;
+  {
+    Progress progress("cases", cases.size(), options.quiet);
+    result.study = study_rows(*config.study, cases, thread_count(options), part, progress);
+  }
+  describe(result, config, std::move(from), start);
+  part.mark_complete();
+  write_result(result, target);
+  part.remove();
+  return result;
+}
+
 }  // namespace
 
 fs::path output_path(const Config& config, const RunOptions& options) {
@@ -45,13 +92,28 @@ fs::path output_path(const Config& config, const RunOptions& options) {
 }
 
 Plan plan(const Config& config) {
+  if (config.study) {
+    constexpr std::uint64_t kCaseBytes = 1024, kNames = 1 << 16;  // of a row with its texts; of attributes and names
+    const std::uint64_t cases = study_cases(*config.study).size();
+    Plan plan;
+    plan.cases = cases;
+    plan.file_bytes = kNames + cases * kCaseBytes;
+    plan.memory_bytes = 4 * cases * kCaseBytes;
+    return plan;
+  }
   const SceneSize size = config.scene_kind->size(config);
   Plan plan{.bodies = size.bodies, .meshes = size.meshes, .triangles = size.mesh_triangles};
   plan.pairs = size.pairs.value_or(size.bodies * (size.bodies - 1) / 2);
   plan.passes = size.passes;
+  plan.case_sets = size.case_sets;
   const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
   const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
   plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);
+  if (plan.case_sets > 0) {  // two bodies a step make lists; of the others there are only poses
+    constexpr std::uint64_t kPose = 7 * 8, kRow = 80, kFlags = 5;
+    plan.file_bytes =
+        estimated_bytes(steps, 2, algorithms, mesh_bytes) + steps * (size.bodies * kPose + kRow + kFlags * algorithms);
+  }
   // Gaps: about as many pairs as an algorithm reports, each with two reals.
   if (config.gap_margin) plan.file_bytes += steps * (4 * size.bodies * 24 + 8);
   // In memory: the result and, while it is written, once more its datasets; of every distinct mesh the hierarchies and
@@ -63,6 +125,7 @@ Plan plan(const Config& config) {
     const std::uint64_t threads = std::max(1u, std::thread::hardware_concurrency());
     plan.memory_bytes += std::min(threads, chunks) * (24 + 4 * 48) * size.body_vertices;
   }
+  if (plan.case_sets > 0) plan.memory_bytes += plan.file_bytes;  // nearly all is motion, there once more for a moment
   return plan;
 }
 
@@ -84,20 +147,16 @@ Result run(const Config& config, const RunOptions& options) {
   std::error_code unreadable;
   if (fs::exists(fs::symlink_status(output, unreadable))) Part::remove_complete(part_path);
   refuse_if_too_large(plan(config), output);
+  if (config.study) return run_study(config, options, start);
 
   Scene scene = config.scene_kind->make(config);
-  refuse_unfit(scene.bodies, config.algorithms);
+  if (scene.case_sets.empty()) refuse_unfit(scene.bodies, config.algorithms);  // of extremes a refusal is an answer
 
-  const std::string inputs = nlohmann::json(config.inputs).dump();
   Provenance from = provenance();
-  // The libraries and the processor belong to the build: Simbody's motion depends on them.
-  const PartKey key{.config_sha256 = sha256(config.effective),
-                    .program_sha256 = sha256(program_sha256() + from.library_versions + from.processor),
-                    .inputs_sha256 = sha256(inputs)};
   Target target(output, options.force);
-  Part part(part_path, key, config.title, config.steps, options.force);
+  Part part(part_path, part_key(config, from), config.title, config.steps, options.force);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
-  const int threads = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
+  const int threads = thread_count(options);
   const std::uint64_t steps = std::uint64_t(config.steps);
 
   Result result;
@@ -122,7 +181,19 @@ Result run(const Config& config, const RunOptions& options) {
     Progress progress("truth", steps, options.quiet);
     result.truth = decide(scene.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);
   }
-  {
+  if (!scene.case_sets.empty()) {
+    result.extremes.emplace();
+    {
+      Progress progress("cases", steps, options.quiet);
+      result.extremes->rows =
+          extreme_rows(scene.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
+    }
+    Progress progress("detect", steps, options.quiet);
+    ExtremesDetected found = detect_extremes(scene.bodies, result.motion, result.truth, scene.case_sets,
+                                             config.algorithms, config.repeats, machine(), &part, progress);
+    result.answers = std::move(found.answers);
+    result.extremes->answers = std::move(found.cases);
+  } else {
     Progress progress("detect", steps, options.quiet);
     result.answers = detect(scene.bodies, result.motion, result.truth, config.algorithms, config.repeats, machine(),
                             &part, progress);
@@ -139,16 +210,9 @@ Result run(const Config& config, const RunOptions& options) {
   const std::uint64_t pairs = total_pairs(scene.bodies, result.motion);
   for (const Answers& answers : result.answers) result.summary.push_back(summarise(answers, pairs));
 
-  result.title = config.title;
-  result.config_text = config.text;
-  result.config_effective = config.effective;
-  result.rate = config.rate;
   result.first_step = first_steps(result.motion, scene.bodies.size());
   result.bodies = std::move(scene.bodies);
-  result.provenance = std::move(from);
-  result.provenance.config_sha256 = sha256(config.text);
-  result.provenance.inputs_sha256 = inputs;
-  result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  describe(result, config, std::move(from), start);
   part.mark_complete();
   write_result(result, target);
   part.remove();
@@ -162,6 +226,9 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   if (missing) read_result(file);                      // throws what is wrong
   Target target(real, true);
   Result result = read_result(real);
+  if (result.study)
+    throw Error(kFile,
+                file.string() + ": is a study of the integrators, without poses to answer; name a result of a scene");
   const Config config = parse_config(result.config_effective, file.string() + ":/config@effective");
   std::vector<AlgorithmChoice> choices;
   for (const std::string& argument : arguments) choices.push_back(parse_algorithm(argument, config.containment));
@@ -181,9 +248,19 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
         throw Error(kInput, "--algorithm: the label '" + label + "' is given twice; name another with @LABEL");
   }
 
-  refuse_unfit(result.bodies, choices);
   std::vector<Answers> fresh;
-  {
+  std::vector<ExtremeAnswers> fresh_cases;
+  if (result.extremes) {
+    const std::vector<CaseSet> sets = config.scene_kind->make(config).case_sets;
+    if (sets.empty() || std::size_t(sets.back().first_step + sets.back().steps) != result.steps())
+      throw Error(kFile, file.string() + ": its cases are not those of its configuration; run again with --force");
+    Progress progress("detect", result.steps(), options.quiet);
+    ExtremesDetected found = detect_extremes(result.bodies, result.motion, result.truth, sets, choices, config.repeats,
+                                             machine(), nullptr, progress);
+    fresh = std::move(found.answers);
+    fresh_cases = std::move(found.cases);
+  } else {
+    refuse_unfit(result.bodies, choices);
     Progress progress("detect", result.steps(), options.quiet);
     fresh = detect(result.bodies, result.motion, result.truth, choices, config.repeats, machine(), nullptr, progress);
   }
@@ -206,8 +283,10 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
       result.answers.emplace_back();
       result.summary.emplace_back();
       if (result.passes) result.passes->answers.emplace_back();
+      if (result.extremes) result.extremes->answers.emplace_back();
     }
     if (result.passes) result.passes->answers[at] = std::move(fresh_passes[i]);
+    if (result.extremes) result.extremes->answers[at] = std::move(fresh_cases[i]);
     result.summary[at] = summarise(answers, pairs);
     result.answers[at] = std::move(answers);
   }

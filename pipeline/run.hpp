@@ -18,7 +18,8 @@ struct RunOptions {
 
 /// What a run would be, and how large. Bytes are estimates from above for what grows with the configuration.
 struct Plan {
-  std::uint64_t bodies = 0, meshes = 0, triangles = 0, pairs = 0, passes = 0;
+  std::uint64_t bodies = 0, meshes = 0, triangles = 0, pairs = 0, passes = 0, case_sets = 0;
+  std::uint64_t cases = 0;  // of a study, which has nothing of the above
   std::uint64_t file_bytes = 0, memory_bytes = 0;
 };
 Plan plan(const Config& config);

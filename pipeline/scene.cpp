@@ -11,6 +11,7 @@ const std::vector<SceneKind>& scene_kinds() {
       box_kind(),
       playground_kind(),
       replay_kind(),
+      extremes_kind(),
   };
   return kinds;
 }

@@ -11,6 +11,7 @@
 #include "geometry/bodies.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/document.hpp"
+#include "pipeline/extremes.hpp"
 #include "pipeline/passes.hpp"
 #include "pipeline/simulate.hpp"
 #include "pipeline/words.hpp"
@@ -25,6 +26,8 @@ struct Scene {
   // Scripted scenes:
   std::vector<std::vector<geometry::Pose>> script;  // S x B
   std::vector<Pass> passes;                         // those that the script holds from end to end
+  std::vector<CaseSet> case_sets;                   // of extremes: at every step one pair is there
+  std::vector<ExtremeCase> cases;                   // S, of extremes: how the pair is placed
 };
 
 /// How large a scene is, without making it.
@@ -33,6 +36,7 @@ struct SceneSize {
   std::uint64_t mesh_vertices = 0, mesh_triangles = 0;  // of the distinct meshes
   std::uint64_t body_vertices = 0;                      // over all bodies
   std::uint64_t passes = 0;                             // of scripted scenes
+  std::uint64_t case_sets = 0;                          // of scenes of extremes
   std::optional<std::uint64_t> pairs = {};              // asked about at a step; absent: all that the bodies make
 };
 
@@ -66,6 +70,7 @@ SceneKind falling_kind();
 SceneKind box_kind();
 SceneKind playground_kind();
 SceneKind replay_kind();
+SceneKind extremes_kind();
 
 /// The state of a body that is not born yet: NaN throughout.
 BodyState unborn_state();

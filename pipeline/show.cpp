@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/extremes.hpp"
 #include "pipeline/passes.hpp"
+#include "pipeline/problem.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/store.hpp"
 #include "pipeline/truth.hpp"
@@ -110,8 +113,10 @@ std::vector<NamedText> named(const std::string& what) {
   std::vector<NamedText> rows;
   if (what == "scenes")
     for (const SceneKind& kind : scene_kinds()) rows.push_back({kind.name.c_str(), kind.what.c_str()});
+  else if (what == "problems")
+    for (const Problem& problem : problems()) rows.push_back({problem.name.c_str(), problem.what.c_str()});
   else
-    for (const std::string& name : integrator_names()) rows.push_back({name.c_str(), ""});
+    for (const IntegratorFacts& facts : integrators()) rows.push_back({facts.name, facts.what});
   return rows;
 }
 
@@ -174,10 +179,179 @@ Json passes_json(const Result& result) {
   return json;
 }
 
+/// The different values of a column, ascending.
+std::vector<double> distinct(const Extremes& extremes, double ExtremeCase::*column) {
+  std::vector<double> out;
+  for (const ExtremeCase& row : extremes.rows) out.push_back(row.*column);
+  std::ranges::sort(out);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+/// How often algorithms err near touching and clear of it, by scale and by offset, and how often they contradict
+/// themselves.
+std::string extremes_text(const Result& result) {
+  const Extremes& extremes = *result.extremes;
+  std::vector<std::vector<std::string>> rows = {
+      {"cases", "error clear", "error near", "failed", "swap changes", "move changes"}};
+  std::vector<std::vector<std::string>> places = {{"error clear of touching"}};
+  const std::vector<double> scales = distinct(extremes, &ExtremeCase::scale),
+                            offsets = distinct(extremes, &ExtremeCase::offset);
+  for (const double scale : scales) places[0].push_back(print("scale %g", scale));
+  for (const double offset : offsets) places[0].push_back(print("offset %g", offset));
+  for (std::size_t a = 0; a < result.answers.size(); ++a) {
+    const auto error = [&](auto chosen) { return share_text(count(extremes, a, chosen).error()); };
+    const auto clear = [](const ExtremeCase& row) { return !row.near_touching; };
+    const ExtremesInstability unsure = instability(extremes, a);
+    rows.push_back({result.answers[a].label, error(clear),
+                    error([](const ExtremeCase& row) { return row.near_touching; }),
+                    std::to_string(count(extremes, a, [](const ExtremeCase&) { return true; }).failed),
+                    std::to_string(unsure.swapped), std::to_string(unsure.moved)});
+    places.push_back({result.answers[a].label});
+    for (const double scale : scales)
+      places.back().push_back(error([&](const ExtremeCase& row) { return clear(row) && row.scale == scale; }));
+    for (const double offset : offsets)
+      places.back().push_back(error([&](const ExtremeCase& row) { return clear(row) && row.offset == offset; }));
+  }
+  const auto near = std::ranges::count_if(extremes.rows, [](const ExtremeCase& row) { return row.near_touching; });
+  std::string text =
+      aligned(rows) +
+      print(
+          "\nof %zu cases %td are near touching: the truth changes within %lld ulps; failed: refused the bodies or "
+          "threw, no part of these errors\n\n",
+          extremes.rows.size(), near, static_cast<long long>(kNearUlps)) +
+      aligned(places) + "\n";
+  for (std::size_t a = 0; a < result.answers.size(); ++a)
+    if (!extremes.answers[a].reason.empty())
+      text += result.answers[a].label + " failed first: " + one_line(extremes.answers[a].reason, 200) + "\n";
+  return text + "\n";
+}
+
+Json extremes_json(const Result& result) {
+  const Extremes& extremes = *result.extremes;
+  Json json = Json::array();
+  for (std::size_t a = 0; a < result.answers.size(); ++a)
+    for (const bool near : {false, true}) {
+      const ExtremesCount row =
+          count(extremes, a, [&](const ExtremeCase& row) { return bool(row.near_touching) == near; });
+      json.push_back({{"algorithm", result.answers[a].label},
+                      {"near_touching", near},
+                      {"cases", row.cases},
+                      {"true_positive", row.true_positive},
+                      {"false_positive", row.false_positive},
+                      {"false_negative", row.false_negative},
+                      {"failed", row.failed},
+                      {"error", row.error()}});
+    }
+  return json;
+}
+
+std::string provenance_text(const Result& result) {
+  const Provenance& from = result.provenance;
+  std::string text = "made by   " + from.creator + ", commit " + from.git_commit + ", " + from.build_type + ", " +
+                     from.compiler + "\n";
+  text += print("run       %s on %s (%s), %.1f s\n", from.date.c_str(), from.host.c_str(), from.processor.c_str(),
+                from.wall_time_s);
+  for (const auto& [group, digest] : digests(result)) text += "digest    " + digest + "  " + group + "\n";
+  return text;
+}
+
+Json provenance_json(const Provenance& from) {
+  return {{"creator", from.creator},
+          {"git_commit", from.git_commit},
+          {"build_type", from.build_type},
+          {"compiler", from.compiler},
+          {"flags", from.flags},
+          {"library_versions", Json::parse(from.library_versions)},
+          {"config_sha256", from.config_sha256},
+          {"inputs_sha256", Json::parse(from.inputs_sha256)},
+          {"date", from.date},
+          {"host", from.host},
+          {"processor", from.processor},
+          {"wall_time_s", from.wall_time_s}};
+}
+
+/// What an integrator did in a sweep.
+struct SweepSummary {
+  std::string sweep, integrator;
+  std::string statuses = {};  // of those that did not finish: "2 energy, 1 aborted"
+  std::size_t cases = 0, finished = 0;
+  double least_error = StudyRow::kNone, worst_energy = 0, time_ns = 0;  // of the finished; total
+  std::uint64_t evaluations = 0;
+};
+
+std::vector<SweepSummary> summarise(const std::vector<StudyRow>& rows) {
+  std::vector<SweepSummary> out;
+  std::vector<std::map<std::string, int>> failed;
+  for (const StudyRow& row : rows) {
+    if (out.empty() || out.back().sweep != row.sweep || out.back().integrator != row.integrator) {
+      out.push_back({.sweep = row.sweep, .integrator = row.integrator});
+      failed.emplace_back();
+    }
+    SweepSummary& s = out.back();
+    ++s.cases;
+    s.time_ns += double(row.time_ns);
+    s.evaluations += row.force_evaluations;
+    if (row.finished) {
+      ++s.finished;
+      s.least_error = std::fmin(s.least_error, row.error);
+      if (std::fabs(row.energy_error) > std::fabs(s.worst_energy)) s.worst_energy = row.energy_error;
+    } else {
+      ++failed.back()[row.status];
+    }
+  }
+  for (std::size_t i = 0; i < out.size(); ++i)
+    for (const auto& [status, count] : failed[i])
+      out[i].statuses += (out[i].statuses.empty() ? "" : ", ") + std::to_string(count) + " " + status;
+  return out;
+}
+
+std::string study_text(const Result& result) {
+  std::vector<std::vector<std::string>> table = {{"sweep", "integrator", "cases", "finished", "least error",
+                                                  "worst energy", "evaluations", "time", "not finished"}};
+  std::size_t finished = 0;
+  for (const SweepSummary& s : summarise(*result.study)) {
+    finished += s.finished;
+    table.push_back({s.sweep, s.integrator, std::to_string(s.cases), std::to_string(s.finished),
+                     std::isnan(s.least_error) ? "-" : print("%.1e", s.least_error), print("%+.1e", s.worst_energy),
+                     std::to_string(s.evaluations), time_text(s.time_ns), s.statuses});
+  }
+  return result.title + "\n" +
+         print("a study of integrators: %zu cases, %zu finished\n\n", result.study->size(), finished) + aligned(table) +
+         "\nleast error: relative or rad, over the cases that finished; worst energy: greatest error of its balance "
+         "there; time: of processor, all cases\n\n" +
+         provenance_text(result);
+}
+
+std::string study_json(const Result& result, const std::string& path) {
+  Json json = {{"file", path},
+               {"complete", true},
+               {"title", result.title},
+               {"schema_version", kSchemaVersion},
+               {"study", "integration"},
+               {"cases", result.study->size()},
+               {"finished", std::ranges::count_if(*result.study, &StudyRow::finished)},
+               {"digest", result.digest}};
+  for (const auto& [group, digest] : digests(result)) json["digests"][group] = digest;
+  json["sweeps"] = Json::array();
+  for (const SweepSummary& s : summarise(*result.study))
+    json["sweeps"].push_back({{"sweep", s.sweep},
+                              {"integrator", s.integrator},
+                              {"cases", s.cases},
+                              {"finished", s.finished},
+                              {"not_finished", s.statuses},
+                              {"least_error", s.least_error},
+                              {"worst_energy_error", s.worst_energy},
+                              {"force_evaluations", s.evaluations},
+                              {"time_ns", s.time_ns}});
+  json["provenance"] = provenance_json(result.provenance);
+  return dumped(json);
+}
+
 }  // namespace
 
 std::string result_text(const Result& result) {
-  const Provenance& from = result.provenance;
+  if (result.study) return study_text(result);
   std::string text = result.title + "\n";
   text += print("%zu steps of %zu bodies at %g per second; %zu pairs meet over all steps\n", result.steps(),
                 result.bodies.size(), result.rate, result.truth.hits.pair.size());
@@ -211,17 +385,14 @@ std::string result_text(const Result& result) {
       "per step\n\n";
 
   if (result.passes && !result.answers.empty()) text += passes_text(result);
+  if (result.extremes && !result.answers.empty()) text += extremes_text(result);
 
-  text += "made by   " + from.creator + ", commit " + from.git_commit + ", " + from.build_type + ", " + from.compiler +
-          "\n";
-  text += print("run       %s on %s (%s), %.1f s\n", from.date.c_str(), from.host.c_str(), from.processor.c_str(),
-                from.wall_time_s);
-  for (const auto& [group, digest] : digests(result)) text += "digest    " + digest + "  " + group + "\n";
+  text += provenance_text(result);
   return text;
 }
 
 std::string result_json(const Result& result, const std::string& path) {
-  const Provenance& from = result.provenance;
+  if (result.study) return study_json(result, path);
   Json json = {{"file", path},
                {"complete", true},
                {"title", result.title},
@@ -267,22 +438,15 @@ std::string result_json(const Result& result, const std::string& path) {
     if (row.contained_hit) json["algorithms"].back()["contained_hit"] = *row.contained_hit;
   }
   if (result.passes) json["passes"] = passes_json(result);
-  json["provenance"] = {{"creator", from.creator},
-                        {"git_commit", from.git_commit},
-                        {"build_type", from.build_type},
-                        {"compiler", from.compiler},
-                        {"flags", from.flags},
-                        {"library_versions", Json::parse(from.library_versions)},
-                        {"config_sha256", from.config_sha256},
-                        {"inputs_sha256", Json::parse(from.inputs_sha256)},
-                        {"date", from.date},
-                        {"host", from.host},
-                        {"processor", from.processor},
-                        {"wall_time_s", from.wall_time_s}};
+  if (result.extremes) json["extremes"] = extremes_json(result);
+  json["provenance"] = provenance_json(result.provenance);
   return dumped(json);
 }
 
 std::string part_text(const PartStatus& status, const std::string& path) {
+  if (status.study)
+    return status.title + "\n" + path + ": an unfinished study; the same `pipeline run` resumes it\n" +
+           print("%lld of %lld cases\n", static_cast<long long>(status.cases), static_cast<long long>(status.steps));
   const auto line = [&](const char* stage, std::int64_t steps) {
     return print("%-8s %lld of %lld steps\n", stage, static_cast<long long>(steps),
                  static_cast<long long>(status.steps));
@@ -293,6 +457,12 @@ std::string part_text(const PartStatus& status, const std::string& path) {
 }
 
 std::string part_json(const PartStatus& status, const std::string& path) {
+  if (status.study)
+    return dumped({{"file", path},
+                   {"complete", false},
+                   {"title", status.title},
+                   {"cases", status.steps},
+                   {"finished_cases", status.cases}});
   const Json json = {{"file", path},
                      {"complete", false},
                      {"title", status.title},
@@ -304,6 +474,17 @@ std::string part_json(const PartStatus& status, const std::string& path) {
 }
 
 std::string plan_text(const Config& config, const Plan& plan, const std::string& output) {
+  if (config.study) {
+    const Study& study = *config.study;
+    std::string text = config.title + "\n";
+    for (const Sweep& s : study.sweeps)
+      text += "sweep       " + s.name + ": " + s.problem + print(", %zu integrators\n", s.integrators.size());
+    text += print("cases       %llu%s, each in a process of its own\n", static_cast<unsigned long long>(plan.cases),
+                  study.every > 1 ? print(", one of every %lld", static_cast<long long>(study.every)).c_str() : "");
+    text += print("budget      %lld force evaluations and %g s of processor time for each case\n",
+                  static_cast<long long>(study.force_evaluations), study.processor_time);
+    return text + "output      " + output + ", about " + bytes_text(plan.file_bytes) + "\n";
+  }
   std::string text = config.title + "\n";
   text += "scene       " + config.scene_kind->name;
   text += print(": %llu bodies, %llu pairs a step, %llu distinct meshes with %llu triangles\n",
@@ -323,6 +504,9 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
   if (plan.passes > 0)
     text += print("passes      %llu, early or late found by bisection: truth to %g m, algorithms to %g m\n",
                   static_cast<unsigned long long>(plan.passes), kTruthTolerance, kAlgorithmTolerance);
+  if (plan.case_sets > 0)
+    text += print("cases       %llu sets of gaps, each answered as two bodies alone, in both orders and moved\n",
+                  static_cast<unsigned long long>(plan.case_sets));
   text += "truth       exact, by surface; ";
   switch (config.containment) {
     case Containment::ignore:
@@ -357,6 +541,14 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
 }
 
 std::string plan_json(const Config& config, const Plan& plan, const std::string& output) {
+  if (config.study)
+    return dumped({{"title", config.title},
+                   {"study", "integration"},
+                   {"cases", plan.cases},
+                   {"output", output},
+                   {"file_bytes", plan.file_bytes},
+                   {"memory_bytes", plan.memory_bytes},
+                   {"effective", config.effective}});
   Json json = {{"title", config.title},         {"scene", config.scene_kind->name},
                {"steps", config.steps},         {"rate", config.rate},
                {"bodies", plan.bodies},         {"pairs", plan.pairs},
@@ -364,6 +556,7 @@ std::string plan_json(const Config& config, const Plan& plan, const std::string&
                {"repeats", config.repeats},     {"output", output},
                {"file_bytes", plan.file_bytes}, {"memory_bytes", plan.memory_bytes}};
   if (plan.passes > 0) json["passes"] = plan.passes;
+  if (plan.case_sets > 0) json["case_sets"] = plan.case_sets;
   json["containment"] = text_of(config.containment);
   if (config.gap_margin) json["gap_margin"] = *config.gap_margin;
   json["inputs_sha256"] = config.inputs;

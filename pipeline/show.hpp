@@ -21,7 +21,7 @@ std::string part_json(const PartStatus& status, const std::string& path);
 std::string plan_text(const Config& config, const Plan& plan, const std::string& output);
 std::string plan_json(const Config& config, const Plan& plan, const std::string& output);
 
-/// The tables behind `pipeline list WHAT`; what is algorithms, scenes, shapes or integrators.
+/// The tables behind `pipeline list WHAT`; what is algorithms, scenes, shapes, integrators or problems.
 std::string list_text(const std::string& what);
 std::string list_json(const std::string& what);
 

@@ -13,42 +13,32 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <limits>
 #include <stdexcept>
 
-#include "pipeline/contact.hpp"
+#include "pipeline/contact_force.hpp"
+#include "pipeline/integrator.hpp"
 
 namespace pipeline {
 namespace {
 
-using contact::Box;
-using contact::Contact;
-using contact::Grid;
-using contact::Kinematics;
-using contact::Law;
-using contact::Sphere;
+using contact::Clock;
+using contact::ContactForce;
+using contact::finite;
+using contact::nanoseconds;
+using contact::vec3;
+using contact::Watch;
 using SimTK::Integrator;
-using SimTK::Rotation;
 using SimTK::SpatialVec;
 using SimTK::State;
 using SimTK::Vec3;
-using Clock = std::chrono::steady_clock;
-
-// Free fall would let an integrator take steps in which a body crosses a plate unseen. 0.01 s is also Simbody's first
-// step.
-constexpr double kGreatestStep = 0.01;
 
 // An explicit method makes at most six evaluations per step, CPodes with Newton many more for its Jacobian.
 constexpr std::int64_t kEvaluationsPerStep = 50;
 
-Vec3 vec3(const std::array<double, 3>& v) { return Vec3(v[0], v[1], v[2]); }
-bool finite(const Vec3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 bool positive(double x) { return std::isfinite(x) && x > 0; }
 bool not_negative(double x) { return std::isfinite(x) && x >= 0; }
-
-std::int64_t nanoseconds(Clock::duration duration) {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(duration).count();
-}
 
 std::string text(double x) {
   char out[32];
@@ -73,210 +63,6 @@ std::string one_line(const std::string& what) {
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
-// The force on the bodies
-
-/// What the force counts and when it gives up. Simbody takes an exception from a force for a step that failed and tries
-/// a shorter one, so the force goes on throwing until the integrator gives up; the reason is kept here.
-struct Watch {
-  std::int64_t evaluations = 0;
-  std::int64_t evaluation_limit = std::numeric_limits<std::int64_t>::max();
-  std::int64_t contact_time_ns = 0;
-  Clock::time_point deadline = Clock::time_point::max();
-  std::string evaluation_reason, deadline_reason;
-  std::string reason;
-};
-
-class ContactForce : public SimTK::Force::Custom::Implementation {
- public:
-  struct Moving {
-    int body;
-    SimTK::MobilizedBodyIndex index;
-    double mass;
-    Vec3 inertia;  // principal, in the body's frame
-  };
-
-  ContactForce(const SimTK::SimbodyMatterSubsystem& matter, const std::vector<RigidBody>& bodies,
-               const Physics& physics, const std::vector<BodyState>& states, const std::vector<Moving>& moving,
-               Watch& watch)
-      : matter_(matter),
-        moving_(moving),
-        law_(physics.material),
-        linear_damping_(physics.linear_damping),
-        angular_damping_(physics.angular_damping),
-        watch_(watch),
-        index_(bodies.size(), SimTK::GroundIndex),
-        kinematics_(bodies.size()) {
-    for (const Moving& body : moving) index_[body.body] = body.index;
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      const auto& q = states[i].orientation;
-      kinematics_[i].position = vec3(states[i].position);
-      kinematics_[i].orientation = Rotation(SimTK::Quaternion(q[0], q[1], q[2], q[3]));
-      if (bodies[i].sphere)
-        spheres_.push_back({static_cast<int>(i), bodies[i].fixed, bodies[i].radius});
-      else
-        boxes_.push_back({static_cast<int>(i), bodies[i].fixed, vec3(bodies[i].half_extents)});
-    }
-  }
-
-  void calcForce(const State& state, SimTK::Vector_<SpatialVec>& forces, SimTK::Vector_<Vec3>&,
-                 SimTK::Vector&) const override {
-    const auto start = Clock::now();
-    if (watch_.reason.empty()) {
-      if (++watch_.evaluations > watch_.evaluation_limit) watch_.reason = watch_.evaluation_reason;
-      if (start > watch_.deadline) watch_.reason = watch_.deadline_reason;
-    }
-    if (!watch_.reason.empty()) throw std::runtime_error(watch_.reason);
-
-    read(state);
-    find_contacts();
-    for (const Contact& c : contacts_) {
-      const Kinematics& a = kinematics_[c.a];
-      const Kinematics& b = kinematics_[c.b];
-      const Vec3 arm_a = c.point - a.position, arm_b = c.point - b.position;
-      const Vec3 velocity = (b.velocity + b.angular_velocity % arm_b) - (a.velocity + a.angular_velocity % arm_a);
-      const Vec3 force = law_.force(c, velocity);
-      // Ground takes its part too, without effect.
-      forces[index_[c.a]] -= SpatialVec(arm_a % force, force);
-      forces[index_[c.b]] += SpatialVec(arm_b % force, force);
-    }
-    if (linear_damping_ != 0 || angular_damping_ != 0) {
-      for (const Moving& body : moving_) {
-        const Kinematics& k = kinematics_[body.body];
-        const Rotation& r = k.orientation;
-        const Vec3 momentum = isotropic(body) ? body.inertia[0] * k.angular_velocity
-                                              : r * (~r * k.angular_velocity).elementwiseMultiply(body.inertia);
-        forces[body.index] -= SpatialVec(angular_damping_ * momentum, linear_damping_ * body.mass * k.velocity);
-      }
-    }
-    watch_.contact_time_ns += nanoseconds(Clock::now() - start);
-  }
-
-  /// Only the contacts' part: who asks wants the sample's energy and takes it from `measure`.
-  SimTK::Real calcPotentialEnergy(const State& state) const override {
-    PhysicsSample sample;
-    return measure(state, sample);
-  }
-
-  /// Elastic energy J of the contacts at a state of Velocity stage; fills in the sample's contacts and penetration.
-  double measure(const State& state, PhysicsSample& sample) const {
-    read(state);
-    find_contacts();
-    double energy = 0;
-    for (const Contact& c : contacts_) {
-      energy += law_.elastic_energy(c);
-      sample.greatest_penetration = std::max(sample.greatest_penetration, c.depth);
-    }
-    sample.contacts = static_cast<std::int64_t>(contacts_.size());
-    return energy;
-  }
-
- private:
-  static bool isotropic(const Moving& body) {
-    return body.inertia[0] == body.inertia[1] && body.inertia[1] == body.inertia[2];
-  }
-
-  void read(const State& state) const {
-    for (const Moving& body : moving_) {
-      const SimTK::MobilizedBody& mobod = matter_.getMobilizedBody(body.index);
-      Kinematics& k = kinematics_[body.body];
-      const SimTK::Transform& pose = mobod.getBodyTransform(state);
-      const SpatialVec& velocity = mobod.getBodyVelocity(state);
-      k.position = pose.p();
-      k.orientation = pose.R();
-      k.angular_velocity = velocity[0];
-      k.velocity = velocity[1];
-      if (!finite(k.position)) throw std::runtime_error("a position is not finite");
-    }
-  }
-
-  /// In a defined order, since sums of doubles depend on it: spheres by their numbers, then each box's spheres.
-  void find_contacts() const {
-    contacts_.clear();
-    Contact contact;
-    grid_.find(spheres_, kinematics_, 0, pairs_);
-    for (const auto& [i, j] : pairs_) {
-      const Sphere& a = spheres_[i];
-      const Sphere& b = spheres_[j];
-      if (touch(a, kinematics_[a.body], b, kinematics_[b.body], contact)) contacts_.push_back(contact);
-    }
-    for (const Box& box : boxes_)
-      for (const Sphere& sphere : spheres_)
-        if (!(box.fixed && sphere.fixed) &&
-            touch(box, kinematics_[box.body], sphere, kinematics_[sphere.body], contact))
-          contacts_.push_back(contact);
-  }
-
-  const SimTK::SimbodyMatterSubsystem& matter_;
-  std::vector<Moving> moving_;
-  std::vector<Sphere> spheres_;
-  std::vector<Box> boxes_;
-  Law law_;
-  double linear_damping_, angular_damping_;
-  Watch& watch_;
-  std::vector<SimTK::MobilizedBodyIndex> index_;  // of each body; a fixed one is ground
-  // Scratch. Simbody's interface is const and this force is not parallel.
-  mutable std::vector<Kinematics> kinematics_;
-  mutable Grid grid_;
-  mutable std::vector<std::pair<int, int>> pairs_;
-  mutable std::vector<Contact> contacts_;
-};
-
-// ---------------------------------------------------------------------------------------------------------------------
-// Integrators
-
-// Integrator's destructor is not virtual: a shared_ptr remembers the right one.
-template <class T>
-std::shared_ptr<Integrator> create(const SimTK::System& system, double) {
-  return std::make_shared<T>(system);
-}
-
-template <>
-std::shared_ptr<Integrator> create<SimTK::SemiExplicitEulerIntegrator>(const SimTK::System& system, double step) {
-  return std::make_shared<SimTK::SemiExplicitEulerIntegrator>(system, step);
-}
-
-/// BDF solves its steps with Newton and a dense Jacobian by differences, Adams by functional iteration.
-template <SimTK::CPodes::LinearMultistepMethod method, SimTK::CPodes::NonlinearSystemIterationType iteration>
-std::shared_ptr<Integrator> create_cpodes(const SimTK::System& system, double) {
-  return std::make_shared<SimTK::CPodesIntegrator>(system, method, iteration);
-}
-
-struct IntegratorRow {
-  const char* name;
-  std::shared_ptr<Integrator> (*create)(const SimTK::System&, double fixed_step);
-  bool fixed_step;
-};
-
-const IntegratorRow kIntegrators[] = {
-    {"RungeKuttaMerson", create<SimTK::RungeKuttaMersonIntegrator>, false},
-    {"RungeKutta3", create<SimTK::RungeKutta3Integrator>, false},
-    {"RungeKutta2", create<SimTK::RungeKutta2Integrator>, false},
-    {"RungeKuttaFeldberg", create<SimTK::RungeKuttaFeldbergIntegrator>, false},
-    {"Verlet", create<SimTK::VerletIntegrator>, false},
-    {"SemiExplicitEuler", create<SimTK::SemiExplicitEulerIntegrator>, true},
-    {"SemiExplicitEuler2", create<SimTK::SemiExplicitEuler2Integrator>, false},
-    {"ExplicitEuler", create<SimTK::ExplicitEulerIntegrator>, false},
-    {"CPodesBDF", create_cpodes<SimTK::CPodes::BDF, SimTK::CPodes::Newton>, false},
-    {"CPodesAdams", create_cpodes<SimTK::CPodes::Adams, SimTK::CPodes::Functional>, false},
-};
-
-std::shared_ptr<Integrator> make_integrator(const SimTK::System& system, const Physics& physics) {
-  for (const IntegratorRow& row : kIntegrators) {
-    if (physics.integrator != row.name) continue;
-    auto integrator = row.create(system, std::min(physics.accuracy, kGreatestStep));
-    if (!row.fixed_step) integrator->setMaximumStepSize(kGreatestStep);
-    // CPodes would take its first step from the time first asked for: looking must not change the motion.
-    if (physics.integrator.rfind("CPodes", 0) == 0) integrator->setInitialStepSize(kGreatestStep * physics.accuracy);
-    integrator->setAccuracy(physics.accuracy);
-    // The mean over all bodies, Simbody's default, would dilute the error of one that bounces among many at rest.
-    integrator->setUseInfinityNorm(true);
-    integrator->setReturnEveryInternalStep(true);
-    return integrator;
-  }
-  throw std::invalid_argument("unknown integrator '" + physics.integrator + "'");
-}
-
-// ---------------------------------------------------------------------------------------------------------------------
 // Rules: Simbody accepts some nonsense in silence and aborts the process at other
 
 void check(const std::vector<RigidBody>& bodies, const Physics& physics, const std::vector<BodyState>& states,
@@ -290,6 +76,12 @@ void check(const std::vector<RigidBody>& bodies, const Physics& physics, const s
           "static friction must be at least the dynamic friction");
   require(positive(m.transition_velocity), "the transition velocity must be positive");
   require(positive(physics.accuracy) && physics.accuracy < 1, "the accuracy must be between 0 and 1");
+  require(positive(physics.greatest_step), "the greatest step must be positive");
+  require(not_negative(physics.fixed_step), "the fixed step must be 0 or more");
+  const Balance& scale = physics.balance;
+  require(positive(scale.energy) && positive(scale.momentum) && positive(scale.angular_momentum),
+          "scales of energy and momentum must be positive");
+  require(finite(vec3(scale.about)), "the point of the angular momentum must be finite");
   require(finite(vec3(physics.gravity)), "gravity must be finite");
   require(not_negative(physics.linear_damping), "the linear damping must be 0 or more");
   require(not_negative(physics.angular_damping), "the angular damping must be 0 or more");
@@ -315,6 +107,7 @@ void check(const std::vector<RigidBody>& bodies, const Physics& physics, const s
     double norm = 0;
     for (const double q : s.orientation) norm += q * q;
     require(std::isfinite(norm) && norm > 0.25 && norm < 4, who + "the orientation must be a unit quaternion");
+    require(!body.hung || finite(vec3(body.pivot)), who + "the pivot must be finite");
   }
   require(any_moves, "no body moves");
 }
@@ -336,6 +129,8 @@ struct Simulation::Implementation {
   Physics physics;
   std::vector<BodyState> initial;
   std::vector<ContactForce::Moving> moving;
+  std::vector<bool> hung;  // of each moving body
+  bool free = true;        // nothing acts from outside: momentum stays
   Watch watch;
   const ContactForce* contact_force = nullptr;  // the force subsystem owns it
   std::shared_ptr<Integrator> integrator;
@@ -349,15 +144,25 @@ struct Simulation::Implementation {
     check(bodies, physics, states, time);
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const RigidBody& body = bodies[i];
+      free = free && !body.fixed && !body.hung;
       if (body.fixed) continue;
       const Vec3 inertia = principal_inertia(body);
       const SimTK::Body::Rigid rigid(SimTK::MassProperties(body.mass, Vec3(0), SimTK::Inertia(inertia)));
-      const SimTK::MobilizedBody::Free mobod(matter.Ground(), SimTK::Transform(), rigid, SimTK::Transform());
-      moving.push_back({static_cast<int>(i), mobod.getMobilizedBodyIndex(), body.mass, inertia});
+      SimTK::MobilizedBodyIndex index;
+      if (body.hung) {
+        const Vec3 rod(0, (vec3(states[i].position) - vec3(body.pivot)).norm(), 0);
+        index = SimTK::MobilizedBody::Pin(matter.Ground(), vec3(body.pivot), rigid, rod).getMobilizedBodyIndex();
+      } else {
+        index = SimTK::MobilizedBody::Free(matter.Ground(), SimTK::Transform(), rigid, SimTK::Transform())
+                    .getMobilizedBodyIndex();
+      }
+      hung.push_back(body.hung);
+      moving.push_back({static_cast<int>(i), index, body.mass, inertia});
     }
     const Vec3 gravity = vec3(physics.gravity);
+    free = free && gravity == Vec3(0) && physics.linear_damping == 0 && physics.angular_damping == 0;
     if (gravity != Vec3(0)) SimTK::Force::Gravity(forces, matter, gravity);
-    auto* force = new ContactForce(matter, bodies, physics, states, moving, watch);
+    auto* force = new ContactForce(matter, forces, bodies, physics, states, moving, watch);
     SimTK::Force::Custom(forces, force);
     contact_force = force;
     system.realizeTopology();
@@ -365,10 +170,15 @@ struct Simulation::Implementation {
     State state = system.getDefaultState();
     system.realizeModel(state);
     state.setTime(time);
-    for (const auto& body : moving) {
-      const BodyState& s = states[body.body];
-      const SimTK::MobilizedBody& mobod = matter.getMobilizedBody(body.index);
+    for (std::size_t m = 0; m < moving.size(); ++m) {
+      const BodyState& s = states[moving[m].body];
+      const SimTK::MobilizedBody& mobod = matter.getMobilizedBody(moving[m].index);
       const int q = mobod.getFirstQIndex(state), u = mobod.getFirstUIndex(state);
+      if (hung[m]) {
+        state.updQ()[q] = 2 * std::atan2(s.orientation[3], s.orientation[0]);
+        state.updU()[u] = s.angular_velocity[2];
+        continue;
+      }
       for (int i = 0; i < 4; ++i) state.updQ()[q + i] = s.orientation[i];
       for (int i = 0; i < 3; ++i) {
         state.updQ()[q + 4 + i] = s.position[i];
@@ -486,15 +296,137 @@ struct Simulation::Implementation {
     return failure;
   }
 
+  /// Of a body on a pin, whose coordinate is an angle.
+  BodyState hanging(const SimTK::MobilizedBody& mobod, const State& state) const {
+    system.realize(state, SimTK::Stage::Velocity);
+    BodyState out;
+    const SimTK::Quaternion turn = mobod.getBodyRotation(state).convertRotationToQuaternion();
+    const Vec3 position = mobod.getBodyOriginLocation(state);
+    const SpatialVec velocity = mobod.getBodyVelocity(state);
+    for (int i = 0; i < 4; ++i) out.orientation[i] = turn[i];
+    for (int i = 0; i < 3; ++i) {
+      out.position[i] = position[i];
+      out.angular_velocity[i] = velocity[0][i];
+      out.velocity[i] = velocity[1][i];
+    }
+    return out;
+  }
+
+  /// Linear and angular momentum in units of their scales.
+  std::array<double, 6> momentum(const State& state) const {
+    Vec3 linear(0), angular(0);
+    for (const auto& body : moving) {
+      const SimTK::MobilizedBody& mobod = matter.getMobilizedBody(body.index);
+      const SpatialVec velocity = mobod.getBodyVelocity(state);
+      const SimTK::Rotation& r = mobod.getBodyRotation(state);
+      const Vec3 arm = mobod.getBodyOriginLocation(state) - vec3(physics.balance.about);
+      linear += body.mass * velocity[1];
+      angular += arm % (body.mass * velocity[1]) + r * (~r * velocity[0]).elementwiseMultiply(body.inertia);
+    }
+    std::array<double, 6> out;
+    for (int i = 0; i < 3; ++i) {
+      out[i] = linear[i] / physics.balance.momentum;
+      out[3 + i] = angular[i] / physics.balance.angular_momentum;
+    }
+    return out;
+  }
+
+  /// Energy and momentum less what came from outside and plus what was lost, in units of their scales.
+  struct Weighed {
+    double energy;
+    std::array<double, 6> momentum;
+  };
+  Weighed weigh() {
+    PhysicsSample now;
+    measure(now);
+    const State& state = integrator->getState();
+    const std::array<double, 7> beside = contact_force->beside(state);
+    Weighed out{now.energy / physics.balance.energy + beside[0], momentum(state)};
+    for (int i = 0; i < 6; ++i) out.momentum[i] -= beside[1 + i];
+    return out;
+  }
+
+  Trace run_to_end(std::int64_t evaluations, int looks) {
+    Trace trace;
+    const double start = integrator->getState().getTime(), end = physics.final_time;
+    const double between = (end - start) / looks;
+    watch = Watch();
+    watch.evaluation_limit = evaluations;
+    watch.evaluation_reason = "more than " + std::to_string(evaluations) + " force evaluations";
+    const std::clock_t begun = std::clock();
+    std::int64_t rounds = 0;
+    const bool momentum_known = physics.balance.tracked || free;
+    trace.smallest_step = SimTK::NaN;
+    const auto give_up = [&](Ended ended, const std::string& reason) {
+      trace.ended = ended;
+      trace.reason = reason;
+    };
+    try {
+      const Weighed first = weigh();
+      int taken = integrator->getNumStepsTaken();
+      double next_look = start + between;
+      while (trace.ended == Ended::finished && integrator->getState().getTime() < end) {
+        integrator->stepTo(end);
+        if (!watch.reason.empty()) break;
+        if (++rounds % 64 == 0 && std::clock() - begun > physics.time_budget * CLOCKS_PER_SEC) {
+          give_up(Ended::time, "more than " + text(physics.time_budget) + " s of processor time" + at());
+          break;
+        }
+        const State& state = integrator->getState();
+        const bool over = state.getTime() >= end;
+        if (integrator->getNumStepsTaken() == taken && !over) {
+          if (integrator->isSimulationOver()) give_up(Ended::exception, "the integrator ended" + at());
+          continue;
+        }
+        taken = integrator->getNumStepsTaken();
+        if (!state_is_finite()) {
+          give_up(Ended::not_finite, "positions or velocities are not finite" + at());
+          break;
+        }
+        // The next step begins with it, so it costs nothing.
+        system.realize(state, SimTK::Stage::Acceleration);
+        if (!watch.reason.empty()) break;
+        trace.greatest_penetration = std::max(trace.greatest_penetration, contact_force->depth());
+        if (!over) trace.smallest_step = std::fmin(trace.smallest_step, integrator->getPreviousStepSizeTaken());
+        if (state.getTime() < next_look && !over) continue;
+        next_look = state.getTime() + between;
+        const Weighed now = weigh();
+        const double error = now.energy - first.energy;
+        if (!(std::fabs(error) <= std::fabs(trace.energy_error))) trace.energy_error = error;
+        for (int i = 0; i < 6; ++i)
+          trace.momentum_drift = std::max(trace.momentum_drift, std::fabs(now.momentum[i] - first.momentum[i]));
+        if (!(error <= physics.energy_bound))
+          give_up(Ended::energy, "energy grew by " + text(error) + " times its scale" + at());
+      }
+    } catch (const std::exception& error) {
+      give_up(Ended::exception, one_line(error.what()));
+    } catch (...) {
+      give_up(Ended::exception, "the integrator threw something unknown" + at());
+    }
+    if (!watch.reason.empty())
+      give_up(watch.reason == watch.evaluation_reason ? Ended::evaluations : Ended::exception, watch.reason + at());
+    if (!momentum_known) trace.momentum_drift = SimTK::NaN;
+    trace.time = integrator->getState().getTime();
+    trace.force_evaluations = std::min(watch.evaluations, evaluations);
+    trace.steps = integrator->getNumStepsTaken();
+    trace.rejected_steps = std::max<std::int64_t>(0, integrator->getNumStepsAttempted() - trace.steps);
+    watch = Watch();
+    return trace;
+  }
+
   std::vector<BodyState> states() const {
     std::vector<BodyState> out = initial;
     const State& state = integrator->getState();
     const SimTK::Vector& q = state.getQ();
     const SimTK::Vector& u = state.getU();
-    for (const auto& body : moving) {
-      const SimTK::MobilizedBody& mobod = matter.getMobilizedBody(body.index);
+    for (std::size_t m = 0; m < moving.size(); ++m) {
+      const SimTK::MobilizedBody& mobod = matter.getMobilizedBody(moving[m].index);
       const int qi = mobod.getFirstQIndex(state), ui = mobod.getFirstUIndex(state);
-      BodyState& s = out[body.body];
+      BodyState& s = out[moving[m].body];
+      if (hung[m]) {
+        s = hanging(mobod, state);
+        continue;
+      }
       for (int i = 0; i < 4; ++i) s.orientation[i] = q[qi + i];
       for (int i = 0; i < 3; ++i) {
         s.position[i] = q[qi + 4 + i];
@@ -526,18 +458,13 @@ std::string Simulation::advance_to(double time, PhysicsSample& sample) {
   return implementation_->advance_to(time, sample);
 }
 
+Trace Simulation::run_to_end(std::int64_t evaluations, int looks) {
+  return implementation_->run_to_end(evaluations, looks);
+}
+
 std::vector<BodyState> Simulation::states() const { return implementation_->states(); }
 
 double Simulation::reference_energy() const { return implementation_->reference_energy; }
-
-const std::vector<std::string>& integrator_names() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> out;
-    for (const IntegratorRow& row : kIntegrators) out.emplace_back(row.name);
-    return out;
-  }();
-  return names;
-}
 
 std::vector<std::pair<std::string, std::string>> simulation_libraries() {
   std::vector<std::pair<std::string, std::string>> out;

@@ -6,6 +6,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -31,6 +32,10 @@ struct RigidBody {
   std::array<double, 3> half_extents{};  // m (boxes)
   double mass = 1;                       // kg; ignored when fixed
   double inertia = 1;                    // kg m^2 about every axis (spheres; a box's follows from its mass)
+  // A pendulum: it only turns about the line through `pivot` m parallel to z, like a door. Its position must be `pivot`
+  // less its own y axis times the distance.
+  bool hung = false;
+  std::array<double, 3> pivot{};
 };
 
 /// What changes of a body: position m, orientation (w x y z), velocity m/s, angular velocity rad/s in ground.
@@ -41,13 +46,26 @@ struct BodyState {
   std::array<double, 3> angular_velocity{};
 };
 
+/// What a study weighs errors of energy and momentum by.
+struct Balance {
+  double energy = 1, momentum = 1, angular_momentum = 1;  // scales: J, N s, N m s
+  std::array<double, 3> about{};                          // m; angular momentum is about this point
+  // Energy lost to dissipation, friction and damping, and impulses of gravity and of fixed bodies are integrated beside
+  // the motion. Without it the energy should stay as it is, and the momentum too when nothing acts from outside.
+  bool tracked = false;
+};
+
 /// How to integrate, and when to give up.
 struct Physics {
   std::string integrator = "RungeKuttaMerson";
   double accuracy = 1e-3;  // of a step, relative; SemiExplicitEuler controls no error: its step in s (at most 0.01)
-  std::array<double, 3> gravity{0, -9.81, 0};  // m/s^2; all zero: no gravity force is made
-  double linear_damping = 0.1;                 // 1/s: force -m c v
-  double angular_damping = 0.8;                // 1/s: torque -I c w
+  double greatest_step = 0.01;  // s; free fall would let steps grow until a body crosses a plate unseen
+  double fixed_step = 0;        // s; above 0: every step is of this length, and no error is controlled
+  double final_time = std::numeric_limits<double>::infinity();  // s; no internal step goes beyond it
+  Balance balance;                                              // of run_to_end
+  std::array<double, 3> gravity{0, -9.81, 0};                   // m/s^2; all zero: no gravity force is made
+  double linear_damping = 0.1;                                  // 1/s: force -m c v
+  double angular_damping = 0.8;                                 // 1/s: torque -I c w
   Material material;
   std::int64_t step_budget = 100000;  // internal steps per sample; more is a failure
   double time_budget = 3600;  // s of wall time of one Simulation (a restart is given what is left); more is a failure
@@ -66,6 +84,31 @@ struct PhysicsSample {
   std::int64_t time_ns = 0;          // wall time of the integration
   std::int64_t contact_time_ns = 0;  // of it, spent finding contacts and their forces
 };
+
+/// How an integration ended.
+enum class Ended { finished, exception, not_finite, energy, evaluations, time };
+
+/// An integration as studies see it, over all its internal steps.
+struct Trace {
+  Ended ended = Ended::finished;
+  std::string reason;               // empty when it finished
+  double time = 0;                  // s reached
+  double energy_error = 0;          // of the balance, in its energy scale: the worst, with its sign
+  double momentum_drift = 0;        // of linear or angular momentum, in its scale: the worst; NaN when not known
+  double greatest_penetration = 0;  // m, at the ends of internal steps
+  double smallest_step = 0;         // s; without the last one, which is cut to end in time; NaN when there is no other
+  std::int64_t steps = 0, rejected_steps = 0, force_evaluations = 0;
+};
+
+/// What is known of an integrator.
+struct IntegratorFacts {
+  const char* name;
+  const char* what;    // one line
+  int order;           // nominal; 0: it varies
+  bool error_control;  // it chooses its steps by the accuracy
+  bool fixed_step;     // it can be given a fixed one
+};
+const std::vector<IntegratorFacts>& integrators();
 
 /// The integrators that Physics::integrator may name.
 const std::vector<std::string>& integrator_names();
@@ -93,6 +136,12 @@ class Simulation {
   /// the object is then of no more use. Never throws for what the integrator does, never hangs. `time` is not before
   /// the present; how often it is called does not change the steps, only which of them are interpolated for the caller.
   std::string advance_to(double time, PhysicsSample& sample);
+
+  /// Integrates to Physics::final_time, where the last internal step ends exactly. At most `evaluations` of the force.
+  /// Energy and momentum are looked at after internal steps, at most `looks` times. For an object that has not been
+  /// advanced before. Never throws for what the integrator does; physics.time_budget is of processor
+  /// time here.
+  Trace run_to_end(std::int64_t evaluations, int looks = 256);
 
   /// States at the present time as the integrator has them: quaternions have drifted from unit length by about the
   /// accuracy, whoever makes poses of them normalises.

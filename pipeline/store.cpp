@@ -18,7 +18,7 @@
 
 #include "pipeline/digest.hpp"
 #include "pipeline/error.hpp"
-#include "pipeline/h5.hpp"
+#include "pipeline/h5_reader.hpp"
 #include "pipeline/layout.hpp"
 #include "pipeline/truth.hpp"
 
@@ -38,29 +38,11 @@ constexpr std::uint64_t kChunkBytes = 512 << 10;
 // Datasets of fixed size below this lie unchunked.
 constexpr std::uint64_t kSmallBytes = 4096;
 
-hid_t h5_type(Type type, const h5::Type& text) {
-  switch (type) {
-    case Type::f64:
-      return H5T_IEEE_F64LE;
-    case Type::i64:
-      return H5T_STD_I64LE;
-    case Type::u64:
-      return H5T_STD_U64LE;
-    case Type::u32:
-      return H5T_STD_U32LE;
-    case Type::u8:
-      return H5T_STD_U8LE;
-    case Type::text:
-      return text.id();
-  }
-  return H5I_INVALID_HID;
-}
-
 /// Chunks are cut along the first dimension only, into equal parts.
 std::vector<hsize_t> chunk_of(const Dataset& dataset) {
   std::vector<hsize_t> chunk(dataset.shape.begin(), dataset.shape.end());
   const std::uint64_t rows = std::max<std::uint64_t>(chunk[0], 1);
-  std::uint64_t row_bytes = size_of(dataset.type);
+  std::uint64_t row_bytes = dataset.type == Type::text ? 16 : size_of(dataset.type);  // of a text its place
   for (std::size_t d = 1; d < chunk.size(); ++d) row_bytes *= chunk[d];
   const std::uint64_t most = std::max<std::uint64_t>(kChunkBytes / row_bytes, 1);
   const std::uint64_t parts = (rows + most - 1) / most;
@@ -208,87 +190,6 @@ std::vector<std::byte> image(const std::vector<Group>& groups, const std::map<st
 
 // ---- reading ----
 
-/// Any size, in an expected shape.
-constexpr std::uint64_t kAny = ~std::uint64_t{0};
-using Shape = std::vector<std::uint64_t>;
-
-/// Reads datasets of an open file. Throws h5::Failure when one is missing or has another type or shape.
-class Reader {
- public:
-  explicit Reader(hid_t file) : file_(file) {}
-
-  bool has(const std::string& path) const { return h5::exists(file_, path); }
-
-  template <typename T>
-  T attribute(const std::string& object, const std::string& name) const {
-    return h5::read_attribute<T>(file_, object, name);
-  }
-
-  /// Values of `type`, which T must match or be made of.
-  template <typename T>
-  std::vector<T> values(const std::string& path, Type type, const Shape& expected) const {
-    const h5::Dataset dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "open " + path);
-    const std::uint64_t elements = opened_elements(dataset, path, type, expected);
-    std::vector<T> out(elements * size_of(type) / sizeof(T));
-    if (!out.empty())
-      h5::check(H5Dread(dataset.id(), h5_type(type, text_), H5S_ALL, H5S_ALL, H5P_DEFAULT, out.data()), "read " + path);
-    return out;
-  }
-
-  std::vector<std::string> texts(const std::string& path, const Shape& expected) const {
-    const h5::Dataset dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "open " + path);
-    std::vector<char*> data(opened_elements(dataset, path, Type::text, expected));
-    std::vector<std::string> out;
-    if (data.empty()) return out;
-    h5::check(H5Dread(dataset.id(), text_.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()), "read " + path);
-    for (const char* text : data) out.emplace_back(text ? text : "");
-    const h5::Space space(H5Dget_space(dataset.id()), "shape " + path);
-    H5Dvlen_reclaim(text_.id(), space.id(), H5P_DEFAULT, data.data());
-    return out;
-  }
-
-  /// Lists of pairs of a group; sorted within a step, a < b < bodies.
-  PairLists pairs(const std::string& group, std::uint64_t steps, std::uint64_t bodies,
-                  const std::string& prefix = "") const {
-    PairLists out;
-    out.offset = values<std::uint64_t>(group + "/" + prefix + (prefix.empty() ? "pair_offset" : "offset"), Type::u64,
-                                       {steps + 1});
-    out.pair = values<Pair>(group + "/" + prefix + "pair", Type::u32, {kAny, 2});
-    bool sound = out.offset.front() == 0 && out.offset.back() == out.pair.size() &&
-                 std::ranges::is_sorted(out.offset) &&
-                 std::ranges::all_of(out.pair, [&](const Pair& pair) { return pair.a < pair.b && pair.b < bodies; });
-    for (std::uint64_t s = 0; sound && s < steps; ++s)
-      sound = std::ranges::adjacent_find(out.at(s), std::ranges::greater_equal()) == out.at(s).end();
-    if (!sound) throw h5::Failure(group + ": pairs or offsets are not in order");
-    return out;
-  }
-
-  std::vector<std::string> names_in(const std::string& group) const { return h5::names_in(file_, group); }
-
- private:
-  /// The number of elements, after checking type and shape.
-  std::uint64_t opened_elements(const h5::Dataset& dataset, const std::string& path, Type type,
-                                const Shape& expected) const {
-    const h5::Space space(H5Dget_space(dataset.id()), "shape " + path);
-    const h5::Type stored(H5Dget_type(dataset.id()), "find the type of " + path);
-    Shape shape(h5::check(H5Sget_simple_extent_ndims(space.id()), "shape " + path));
-    static_assert(std::is_same_v<hsize_t, unsigned long long> && sizeof(hsize_t) == sizeof(std::uint64_t));
-    std::vector<hsize_t> sizes(shape.size());
-    H5Sget_simple_extent_dims(space.id(), sizes.data(), nullptr);
-    std::ranges::copy(sizes, shape.begin());
-    bool same = shape.size() == expected.size();
-    for (std::size_t d = 0; same && d < shape.size(); ++d) same = expected[d] == kAny || expected[d] == shape[d];
-    if (!same || H5Tequal(stored.id(), h5_type(type, text_)) <= 0)
-      throw h5::Failure(path + ": its shape or type is not that of a result");
-    std::uint64_t elements = 1;
-    for (const std::uint64_t size : shape) elements *= size;
-    return elements;
-  }
-
-  hid_t file_;
-  h5::Type text_ = h5::text_type();
-};
-
 double sphere_radius(const std::string& shape) {
   const auto json = nlohmann::json::parse(shape, nullptr, false);
   return json.is_object() && json.value("kind", "") == "sphere" ? json.value("radius", 0.0) : 0.0;
@@ -342,6 +243,8 @@ std::vector<std::vector<geometry::Pose>> read_motion(const Reader& from, std::ui
 PhysicsRows read_physics(const Reader& from, std::uint64_t steps) {
   PhysicsRows physics;
   physics.status = from.attribute<std::string>("/physics", "status");
+  if (from.has_attribute("/physics", "quaternion_drift"))
+    physics.quaternion_drift = from.attribute<double>("/physics", "quaternion_drift");
   physics.rows.resize(steps);
   const auto fill = [&]<typename Stored>(const auto& columns, Type type, Stored) {
     for (const auto& column : columns) {
@@ -399,6 +302,16 @@ std::vector<Summary> read_summary(const Reader& from, std::uint64_t algorithms) 
   return rows;
 }
 
+/// A column of every answer, from a table of rows x answers.
+template <typename Row, typename T>
+void fill_table(const Reader& from, const std::string& path, const Column<Row, std::vector<T>>& column, Type type,
+                std::uint64_t rows, std::vector<Row>& answers) {
+  if (answers.empty()) return;
+  const auto table = from.values<T>(path, type, {rows, answers.size()});
+  for (std::size_t a = 0; a < answers.size(); ++a)
+    for (std::size_t r = 0; r < rows; ++r) (answers[a].*column.member).push_back(table[r * answers.size() + a]);
+}
+
 Passes read_passes(const Reader& from, std::uint64_t algorithms) {
   Passes passes;
   const auto path = [](const auto& column) { return std::string("/passes/") + column.name; };
@@ -411,15 +324,33 @@ Passes read_passes(const Reader& from, std::uint64_t algorithms) {
   for (const auto& column : kPassCounts) fill(column, from.values<std::uint64_t>(path(column), Type::u64, {count}));
   for (const auto& column : kPassReals) fill(column, from.values<double>(path(column), Type::f64, {count}));
   passes.answers.resize(algorithms);
-  const auto fill_table = [&]<typename T>(const Column<PassAnswers, std::vector<T>>& column, Type type) {
-    if (algorithms == 0) return;
-    const auto table = from.values<T>(path(column), type, {count, algorithms});
-    for (std::size_t a = 0; a < algorithms; ++a)
-      for (std::size_t p = 0; p < count; ++p) (passes.answers[a].*column.member).push_back(table[p * algorithms + a]);
-  };
-  for (const auto& column : kPassAnswerReals) fill_table(column, Type::f64);
-  for (const auto& column : kPassAnswerCounts) fill_table(column, Type::u64);
+  for (const auto& column : kPassAnswerReals) fill_table(from, path(column), column, Type::f64, count, passes.answers);
+  for (const auto& column : kPassAnswerCounts) fill_table(from, path(column), column, Type::u64, count, passes.answers);
   return passes;
+}
+
+Extremes read_extremes(const Reader& from, std::uint64_t steps, std::uint64_t algorithms) {
+  Extremes extremes;
+  extremes.rows.resize(steps);
+  extremes.answers.resize(algorithms);
+  const auto path = [](const auto& column) { return std::string("/extremes/") + column.name; };
+  const auto fill = [&]<typename T>(const Column<ExtremeCase, T>& column, Type type) {
+    const std::vector<T> values = from.values<T>(path(column), type, {steps});
+    for (std::size_t s = 0; s < steps; ++s) extremes.rows[s].*column.member = values[s];
+  };
+  for (const auto& column : kCaseTexts) {
+    auto values = from.texts(path(column), {steps});
+    for (std::size_t s = 0; s < steps; ++s) extremes.rows[s].*column.member = std::move(values[s]);
+  }
+  for (const auto& column : kCaseReals) fill(column, Type::f64);
+  for (const auto& column : kCaseIntegers) fill(column, Type::i64);
+  for (const auto& column : kCaseCounts) fill(column, Type::u64);
+  for (const auto& column : kCaseFlags) fill(column, Type::u8);
+  if (algorithms == 0) return extremes;
+  for (const auto& column : kCaseAnswerFlags) fill_table(from, path(column), column, Type::u8, steps, extremes.answers);
+  auto reasons = from.texts(std::string("/extremes/") + kCaseReason, {algorithms});
+  for (std::size_t a = 0; a < algorithms; ++a) extremes.answers[a].reason = std::move(reasons[a]);
+  return extremes;
 }
 
 void read_contained_hits(const Reader& from, std::uint64_t steps, Result& result) {
@@ -452,11 +383,29 @@ Provenance read_provenance(const Reader& from) {
   return out;
 }
 
+std::vector<StudyRow> read_study(const Reader& from) {
+  std::vector<StudyRow> rows(from.values<std::int64_t>("/study/case", Type::i64, {kAny}).size());
+  each_study_column([&]<typename T>(const Column<StudyRow, T>& column, Type type) {
+    const auto path = std::string("/study/") + column.name;
+    const auto fill = [&](auto values) {
+      for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*column.member = std::move(values[i]);
+    };
+    if constexpr (std::is_same_v<T, std::string>)
+      fill(from.texts(path, {rows.size()}));
+    else
+      fill(from.values<std::conditional_t<std::is_same_v<T, bool>, std::uint8_t, T>>(path, type, {rows.size()}));
+  });
+  return rows;
+}
+
 Result read_all(const Reader& from) {
   Result result;
   result.title = from.attribute<std::string>("/", "title");
   result.config_text = from.texts("/config", {}).at(0);
   result.config_effective = from.attribute<std::string>("/config", "effective");
+  result.provenance = read_provenance(from);
+  result.digest = from.attribute<std::string>("/", "digest");
+  if (from.has("/study")) return result.study = read_study(from), result;
   result.rate = from.attribute<double>("/time", "rate");
   const std::uint64_t steps = from.values<std::int64_t>("/step", Type::i64, {kAny}).size();
   result.bodies = read_bodies(from);
@@ -486,8 +435,7 @@ Result read_all(const Reader& from) {
     if (result.truth.containment == Containment::record) read_contained_hits(from, steps, result);
   }
   if (from.has("/passes")) result.passes = read_passes(from, result.answers.size());
-  result.provenance = read_provenance(from);
-  result.digest = from.attribute<std::string>("/", "digest");
+  if (from.has("/extremes")) result.extremes = read_extremes(from, steps, result.answers.size());
   return result;
 }
 

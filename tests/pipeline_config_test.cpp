@@ -104,6 +104,13 @@ void expect_same_scene(const PlaygroundScene& a, const PlaygroundScene& b) {
   }
 }
 
+void expect_same_scene(const ExtremesScene& a, const ExtremesScene& b) {
+  EXPECT_EQ(a.pairs, b.pairs);
+  EXPECT_EQ(a.scales, b.scales);
+  EXPECT_EQ(a.offsets, b.offsets);
+  EXPECT_EQ(a.orientations, b.orientations);
+}
+
 void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(a.title, b.title);
   EXPECT_EQ(a.seed, b.seed);

@@ -247,6 +247,43 @@ TEST_F(Store, KeepsGaps) {
   round_trip(result, file("c.h5"), file("d.h5"));
 }
 
+TEST_F(Store, KeepsExtremes) {
+  Result result = synthetic_result(3, 5, 2, 1);
+  Extremes& extremes = result.extremes.emplace();
+  for (std::uint8_t s = 0; s < 3; ++s)
+    extremes.rows.push_back({.pair = "box-box",
+                             .gap_class = "-10 ulp",
+                             .gap = -1e-15 * s,
+                             .gap_ulps = -10 * s,
+                             .ulp = 1e-16,
+                             .scale = 1e-9,
+                             .offset = 1e3,
+                             .orientation = 7u + s,
+                             .truth = std::uint8_t(s == 1),
+                             .truth_moved = std::uint8_t(s == 2),
+                             .near_touching = 1});
+  for (std::uint8_t a = 0; a < 2; ++a)
+    extremes.answers.push_back({.reported = {a, 0, 1},
+                                .swapped = {0, a, 1},
+                                .moved = {1, 0, a},
+                                .failed = {0, 1, 2},
+                                .reason = a ? "too dense; scale it down" : ""});
+  round_trip(result, file("a.h5"), file("b.h5"));
+  const Result read = read_result(file("a.h5"));
+  ASSERT_TRUE(read.extremes);
+  for (std::size_t s = 0; s < 3; ++s) {
+    const ExtremeCase &x = extremes.rows[s], &y = read.extremes->rows[s];
+    EXPECT_EQ(std::tie(x.pair, x.gap_class, x.gap, x.gap_ulps, x.ulp, x.scale, x.offset, x.orientation),
+              std::tie(y.pair, y.gap_class, y.gap, y.gap_ulps, y.ulp, y.scale, y.offset, y.orientation));
+    EXPECT_EQ(std::tie(x.truth, x.truth_moved, x.near_touching), std::tie(y.truth, y.truth_moved, y.near_touching));
+  }
+  for (std::size_t a = 0; a < 2; ++a) {
+    const ExtremeAnswers &x = extremes.answers[a], &y = read.extremes->answers[a];
+    EXPECT_EQ(std::tie(x.reported, x.swapped, x.moved, x.failed, x.reason),
+              std::tie(y.reported, y.swapped, y.moved, y.failed, y.reason));
+  }
+}
+
 TEST_F(Store, KeepsListsWithoutPairs) {
   const Result result = synthetic_result(5, 4, 2, 0);
   ASSERT_TRUE(result.truth.hits.pair.empty());

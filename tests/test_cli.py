@@ -93,7 +93,7 @@ def test_check_says_what_would_run_and_writes_nothing(tmp_path):
     assert json.loads(pipeline("check", SMOKE, "--json").stdout)["bodies"] == 18
 
 
-@pytest.mark.parametrize("what", ["algorithms", "scenes", "shapes", "integrators"])
+@pytest.mark.parametrize("what", ["algorithms", "scenes", "shapes", "integrators", "problems"])
 def test_list_names_what_configurations_can_name(what):
     names = [row["name"] for row in json.loads(pipeline("list", what, "--json").stdout)]
     assert names
@@ -115,8 +115,14 @@ def test_nothing_but_errors_on_stderr_when_it_is_no_terminal(tmp_path):
 
 @pytest.mark.parametrize("config", sorted((ROOT / "configs").glob("*.toml")), ids=lambda path: path.stem)
 def test_every_configuration_runs(tmp_path, config):
-    """The first three steps of each, every algorithm of it included."""
+    """The first three steps of each, every algorithm of it included; of a study a few cases."""
     assert pipeline("check", config).returncode == DONE
+    if "\nstudy = " in config.read_text():
+        few = ["--set", "every=97", "--set", "budget.force_evaluations=2000"]
+        run = pipeline("run", config, "-o", tmp_path / "x.h5", *few, "--json")
+        assert run.returncode == DONE, run.stderr
+        assert 3 <= json.loads(run.stdout)["cases"] < 20
+        return
     run = pipeline("run", config, "-o", tmp_path / "x.h5", "--set", "steps=3", "--set", "timing.repeats=1", "--json")
     assert run.returncode == DONE, run.stderr
     shown = json.loads(run.stdout)

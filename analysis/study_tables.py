@@ -1,0 +1,309 @@
+"""What the report draws of studies of integrators: cases by what they vary, who is cheapest, who may be recommended.
+
+Functions from a Run with a study (one row per case) to tables. Sweeps are told apart by what varies in them, not by name:
+one that varies a single FACTOR is a map of integrators over that factor; cases that differ in accuracy or fixed step
+alone are a work-precision problem; every other case is an extreme. A case that did not finish stays in every table. Orders, verdicts and the
+rule of the recommendation are studies.py's.
+"""
+
+import tomllib
+
+import numpy as np
+import pandas as pd
+
+from analysis import studies
+
+PARAMETERS = [
+    "units", "duration", "greatest_step", "radius", "thickness", "offset", "mass", "inertia", "balls", "mass_ratio",
+    "speed", "transition_velocity", "stiffness", "dissipation",
+]  # fmt: skip
+CONTROLS = ["accuracy", "fixed_step"]
+FACTORS = ["stiffness", "mass_ratio", "transition_velocity", "dissipation"]
+UNITS = {"stiffness": "Pa", "transition_velocity": "m/s", "dissipation": "s/m", "offset": "m", "radius": "m", "mass": "kg",
+         "greatest_step": "s", "speed": "m/s", "duration": "s", "thickness": "m", "inertia": "kg m²"}  # fmt: skip
+THRESHOLDS = (1e-3, 1e-6, 1e-9)
+BOUND = studies.SOUND  # of the problem's energy
+NEAR = 10.0  # stiffness at most so many times smaller or greater than the scenes' counts as near
+
+
+def study_of(run):
+    """The rows of a study. Raises ValueError when the run is none."""
+    if run.study is None:
+        raise ValueError(f"{run.path}: is no study of integrators (it has no group /study)")
+    return run.study
+
+
+def varied(rows, names=PARAMETERS):
+    """Which parameters have more than one value in `rows`."""
+    return [name for name in names if name in rows and rows[name].nunique(dropna=False) > 1]
+
+
+def setting(row):
+    """How a row's steps are controlled: "accuracy 0.001", "step 0.001 s"."""
+    return f"accuracy {row['accuracy']:g}" if row["accuracy"] == row["accuracy"] else f"step {row['fixed_step']:g} s"
+
+
+def parts(study):
+    """(maps, precision, extremes): lists of (name, rows), (name, rows) and the remaining rows."""
+    maps, rest = [], []
+    for name, rows in study.groupby("sweep", sort=False):
+        vary = varied(rows)
+        if len(vary) == 1 and vary[0] in FACTORS and rows.groupby("integrator")[CONTROLS].nunique().max().max() <= 2:
+            maps.append((name, rows))
+        else:
+            rest.append(rows)
+    rest = pd.concat(rest) if rest else study.iloc[:0]
+    precision, left = [], []
+    keys = ["problem", *[name for name in PARAMETERS if name in rest]]
+    for values, rows in rest.groupby(keys, dropna=False, sort=False):
+        if rows.groupby("integrator")[CONTROLS].nunique().max().max() >= 3:
+            precision.append((values[0], rows))
+        else:
+            left.append(rows)
+    names = [name for name, _ in precision]
+    named = []
+    for name, rows in precision:
+        if names.count(name) > 1:  # the same problem with other parameters
+            name = f"{name} ({rows['sweep'].iloc[0]}" + (f", {rows['units'].iloc[0]}" if "units" in rows else "") + ")"
+        named.append((name, rows))
+    return maps, named, (pd.concat(left).sort_index() if left else study.iloc[:0])
+
+
+def work_precision(run):
+    """What a precision costs. One row per case of a work-precision problem.
+
+    Columns: problem, integrator, setting (text), accuracy, fixed_step (s), error (relative or rad; NaN where it did not
+    finish), force_evaluations, time_s (of processor; NaN where nothing ran), energy_error, status, reason.
+    """
+    rows = [rows.assign(problem=name) for name, rows in parts(study_of(run))[1]]
+    columns = ["problem", "integrator", "setting", *CONTROLS, "error", "force_evaluations", "time_s", "energy_error",
+               "status", "reason"]  # fmt: skip
+    if not rows:
+        return pd.DataFrame(columns=columns)
+    table = pd.concat(rows, ignore_index=True)
+    table["setting"] = [setting(row) for _, row in table.iterrows()]
+    table["time_s"] = (table["time_ns"] / 1e9).where(table["time_ns"] > 0)
+    table["error"] = table["error"].where(table["finished"])
+    return table[columns]
+
+
+def cheapest(run, cost="force_evaluations"):
+    """Who reaches a precision most cheaply: per problem and threshold of the error the cheapest case at or below it.
+
+    Columns: problem, threshold, integrator, setting, cost, runner_up (another integrator; "" for none), times (its cost
+    over the cheapest one's). Thresholds that nobody reaches have integrator "".
+    """
+    table, found = work_precision(run), []
+    for problem, rows in table.groupby("problem", sort=False):
+        if not (rows["error"] > 0).any():
+            continue
+        for threshold in THRESHOLDS:
+            good = rows[(rows["error"] <= threshold) & (rows[cost] > 0)].sort_values(cost, kind="stable")
+            if good.empty:
+                found.append((problem, threshold, "", "", np.nan, "", np.nan))
+                continue
+            best = good.iloc[0]
+            others = good[good["integrator"] != best["integrator"]]
+            second = others.iloc[0] if len(others) else None
+            found.append((problem, threshold, best["integrator"], best["setting"], float(best[cost]),
+                          "" if second is None else second["integrator"],
+                          np.nan if second is None else float(second[cost]) / float(best[cost])))  # fmt: skip
+    return pd.DataFrame(found, columns=["problem", "threshold", "integrator", "setting", "cost", "runner_up", "times"])
+
+
+def stability(run):
+    """Where integrators hold. One row per case of a sweep over one factor.
+
+    Columns: sweep, problem, factor, value (of the factor), integrator, setting, finished, status, reason, energy_error,
+    momentum_drift, greatest_penetration (m), smallest_step (s), steps, rejected_steps, force_evaluations, time_s.
+    """
+    rows = []
+    for _, found in parts(study_of(run))[0]:
+        factor = varied(found)[0]
+        rows.append(found.assign(factor=factor, value=found[factor]))
+    columns = ["sweep", "problem", "factor", "value", "integrator", "setting", "finished", "status", "reason",
+               "energy_error", "momentum_drift", "greatest_penetration", "smallest_step", "steps", "rejected_steps",
+               "force_evaluations", "time_s"]  # fmt: skip
+    if not rows:
+        return pd.DataFrame(columns=columns)
+    table = pd.concat(rows, ignore_index=True)
+    table["setting"] = [setting(row) for _, row in table.iterrows()]
+    table["time_s"] = (table["time_ns"] / 1e9).where(table["time_ns"] > 0)
+    return table[columns]
+
+
+def holds(table, bound=BOUND):
+    """Of rows as of stability(): finished, and the energy within `bound` of its balance all the time."""
+    return table["finished"].astype(bool) & (table["energy_error"].abs() <= bound)
+
+
+def default_stiffness(run):
+    """The stiffness (Pa) around which the other factors vary; NaN when the file does not tell."""
+    study = study_of(run)
+    values = [rows["stiffness"].dropna() for _, rows in parts(study)[0] if varied(rows) != ["stiffness"]]
+    values = pd.concat(values) if values else pd.Series(dtype=float)
+    return float(values.mode().iloc[0]) if len(values) else np.nan
+
+
+def recommendation(run, stiffness=None, bound=BOUND):
+    """What may be recommended for a stiffness (the default one when not given): one row per integrator and setting.
+
+    Judged are the cases of the sweeps over stiffness at most NEAR times from it. Columns: integrator, setting, accuracy,
+    fixed_step, cases, of (cases that somebody has), holds (how many finish within `bound`), worst_energy_error,
+    energy_error (geometric mean), force_evaluations (sum), cheapest (it needs the fewest of those that hold in all),
+    recommended (of those that hold in all and need at most studies.DEARER times as many as the cheapest, the most
+    accurate; none when nobody holds, or nobody has all cases). Sorted: those that hold in all first, by evaluations.
+    """
+    stiffness = default_stiffness(run) if stiffness is None else stiffness
+    names = ["integrator", "setting", *CONTROLS, "cases", "of", "holds", "worst_energy_error", "energy_error",
+             "force_evaluations", "cheapest", "recommended"]  # fmt: skip
+    near = []
+    for name, rows in parts(study_of(run))[0]:
+        if varied(rows) == ["stiffness"]:
+            ratio = rows["stiffness"] / stiffness
+            near.append(rows[(ratio <= NEAR * 1.001) & (ratio >= 0.999 / NEAR)])
+    near = pd.concat(near) if near else pd.DataFrame()
+    if near.empty:
+        return pd.DataFrame(columns=names)
+    of = len(near[["sweep", "stiffness"]].drop_duplicates())
+    found = []
+    for (integrator, accuracy, step), rows in near.groupby(["integrator", *CONTROLS], dropna=False, sort=False):
+        worst = rows["energy_error"].iloc[rows["energy_error"].abs().fillna(np.inf).argmax()]
+        found.append((integrator, setting(rows.iloc[0]), accuracy, step, len(rows), of, int(holds(rows, bound).sum()),
+                      float(worst), studies.geometric(rows["energy_error"].abs().clip(lower=1e-16)),
+                      int(rows["force_evaluations"].sum()), False, False))  # fmt: skip
+    table = pd.DataFrame(found, columns=names)
+    full = (table["cases"] == of) & (table["holds"] == of)
+    table = table.assign(full=full).sort_values(["full", "force_evaluations"], ascending=[False, True], kind="stable")
+    table = table.reset_index(drop=True)
+    if len(table) and table["full"].iloc[0]:
+        table.loc[0, "cheapest"] = True
+        near_cheapest = table[table["full"] & (table["force_evaluations"] <= studies.DEARER * table["force_evaluations"].iloc[0])]
+        table.loc[near_cheapest["energy_error"].idxmin(), "recommended"] = True
+    return table.drop(columns="full")
+
+
+def followed(run, others):
+    """Whether integrated runs do as a study recommends at their stiffness: one row per run of `others` with a stiffness.
+
+    Columns: file's title, integrator, setting, stiffness, recommended (text; "" for none), follows (bool), holds (their own
+    integrator and setting hold in all near cases; NaN: the study has them not), times (their evaluations over the
+    recommended ones' in those cases).
+    """
+    found = []
+    for other in others:
+        physics = physics_of(other)
+        if not physics.get("stiffness") or not physics.get("integrator"):
+            continue
+        table = recommendation(run, float(physics["stiffness"]))
+        step = physics.get("fixed_step") or np.nan
+        mine = {"accuracy": np.nan if step == step else float(physics.get("accuracy", np.nan)), "fixed_step": step}
+        same = table[table["integrator"] == physics["integrator"]]
+        for name in CONTROLS:
+            same = same[np.isclose(same[name].astype(float), mine[name], rtol=1e-9, equal_nan=True)]
+        best = table[table["recommended"].astype(bool)]
+        own, best = (None if rows.empty else rows.iloc[0] for rows in (same, best))
+        found.append((
+            other.meta.get("title", ""), physics["integrator"], setting(mine), float(physics["stiffness"]),
+            "" if best is None else f"{best['integrator']} at {best['setting']}", own is not None and bool(own["recommended"]),
+            np.nan if own is None else float(own["cases"] == own["of"] == own["holds"]),
+            np.nan if own is None or best is None else own["force_evaluations"] / best["force_evaluations"],
+        ))  # fmt: skip
+    names = ["title", "integrator", "setting", "stiffness", "recommended", "follows", "holds", "times"]
+    return pd.DataFrame(found, columns=names)
+
+
+def physics_of(run):
+    """The table [physics] of a run's configuration after defaults; empty when there is none."""
+    return table_of(run, "physics")
+
+
+def table_of(run, name):
+    try:
+        return dict(tomllib.loads(run.meta.get("config_effective", "")).get(name, {}))
+    except (tomllib.TOMLDecodeError, TypeError):
+        return {}
+
+
+def extremes_of_motion(run):
+    """The cases that are neither a map nor of a work-precision problem.
+
+    Columns: sweep, case (what varies in its sweep, as text), integrator, finished, status, reason, error, energy_error,
+    greatest_penetration (m), steps, force_evaluations, preventing_step (s).
+    """
+    columns = ["sweep", "case", "integrator", "finished", "status", "reason", "error", "energy_error",
+               "greatest_penetration", "steps", "force_evaluations", "preventing_step"]  # fmt: skip
+    rest, tables = parts(study_of(run))[2], []
+    for _, rows in rest.groupby("sweep", sort=False):
+        names = varied(rows)
+        several = rows.groupby("integrator")[CONTROLS].nunique().max().max() > 1
+        words = [case_text(row, names, several) for _, row in rows.iterrows()]
+        tables.append(rows.assign(case=words))
+    return pd.concat(tables, ignore_index=True)[columns] if tables else pd.DataFrame(columns=columns)
+
+
+def case_text(row, names, control):
+    words = []
+    for name in names:
+        value = row[name]
+        if isinstance(value, str):
+            words.append(value)
+        elif value == value:
+            words.append(f"{name.replace('_', ' ')} {value:g}\u00a0{UNITS.get(name, '')}".strip())
+    if control:  # who takes no accuracy gets the same number as a step
+        value = row["accuracy"] if row["accuracy"] == row["accuracy"] else row["fixed_step"]
+        words.append(f"accuracy (or step) {value:g}")
+    return ", ".join(words) or "as it stands"
+
+
+def tunnelling(run):
+    """Cases against a plate: which steps let the ball through, and the greatest that does not.
+
+    One row per sweep, stiffness and integrator. Columns: speed (m/s), thickness (m), stiffness (Pa), went_through and stopped
+    (greatest steps of such cases, s, as lists), preventing_step (s; NaN: none was found).
+    """
+    study = study_of(run)
+    rows = study[study["preventing_step"].notna() | (study["status"] == "tunnelled") | (study["problem"] == "thin_plate")]
+    found = []
+    keys = ["sweep", "speed", "thickness", "stiffness", "integrator"]
+    for key, mine in rows.groupby(keys, sort=False, dropna=False):
+        steps = {word: sorted(mine["greatest_step"][which].dropna(), reverse=True)
+                 for word, which in (("through", mine["status"] == "tunnelled"), ("stopped", mine["finished"]))}  # fmt: skip
+        found.append((*key, steps["through"], steps["stopped"], mine["preventing_step"].max()))
+    return pd.DataFrame(found, columns=[*keys, "went_through", "stopped", "preventing_step"])
+
+
+def drift_steps(run):
+    """How an integrated run drifts, step by step; None when nothing was integrated.
+
+    Columns: time (s), energy (J), energy_change (over the first energy that is not 0; NaN before and without one),
+    greatest_penetration (m). attrs: status; lossless (by the configuration nothing gives or takes energy after the
+    first step: then energy_change is an error).
+    """
+    if run.physics is None or not len(run.physics):
+        return None
+    physics = run.physics.reset_index(drop=True)
+    rate = run.meta.get("rate", np.nan)
+    table = pd.DataFrame({"time": np.arange(len(physics)) / (rate if rate == rate and rate > 0 else 1.0)})
+    table["energy"] = physics["energy"].astype(float)
+    there = np.flatnonzero(np.isfinite(table["energy"]) & (table["energy"] != 0))
+    table["energy_change"] = np.nan
+    if len(there):
+        table.loc[there[0] :, "energy_change"] = table["energy"][there[0] :] / table["energy"][there[0]] - 1
+    if "greatest_penetration" in physics:
+        table["greatest_penetration"] = physics["greatest_penetration"].astype(float)
+    table.attrs["status"] = run.physics.attrs.get("status", "complete")
+    table.attrs["lossless"] = lossless(run)
+    return table
+
+
+def lossless(run):
+    """Whether by its configuration a run has no losses, and no births and pushes after its first step."""
+    options, scene = physics_of(run), table_of(run, "scene")
+    losses = ["dissipation", "static_friction", "dynamic_friction", "viscous_friction", "linear_damping", "angular_damping"]
+    if "dissipation" not in options or any(options.get(name) for name in losses):
+        return False
+    if (run.bodies["first_step"] > 0).any():
+        return False
+    push = scene.get("push", {})
+    return not push.get("speed") or (push.get("from", 0) <= 0 and push.get("every", 0) >= run.meta["steps"])

@@ -1,0 +1,177 @@
+#include "pipeline/child.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <vector>
+
+#include "pipeline/error.hpp"
+#include "pipeline/progress.hpp"
+#include "pipeline/words.hpp"
+
+namespace pipeline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMostSaid = 1 << 16;  // bytes of a child's stderr that are kept
+constexpr char kWhole = '\n';               // the last byte of a child that came to its end
+
+struct Child {
+  std::size_t job = 0;
+  pid_t pid = -1;
+  int answer = -1, said = -1;  // ends of pipes; -1 when the child has closed its own
+  std::string bytes, words;
+  Clock::time_point deadline;
+  bool late = false;
+};
+
+[[noreturn]] void cannot(const char* action) {
+  throw Error(kFailed, std::string("a child process: cannot ") + action + ": " + std::strerror(errno));
+}
+
+void write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) _exit(1);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+[[noreturn]] void be_child(int answer, int said, const ChildLimits& limits,
+                           const std::function<std::string(std::size_t)>& work, std::size_t job) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // Ctrl-C reaches the whole group: the parent decides.
+  signal(SIGINT, SIG_IGN);
+  signal(SIGTERM, SIG_DFL);
+  const auto seconds = static_cast<rlim_t>(std::ceil(limits.processor_seconds));
+  const rlimit processor{seconds, seconds + 1}, core{0, 0};
+  setrlimit(RLIMIT_CPU, &processor);
+  setrlimit(RLIMIT_CORE, &core);
+  const int nothing = open("/dev/null", O_WRONLY);
+  dup2(nothing, STDOUT_FILENO);
+  dup2(said, STDERR_FILENO);
+  try {
+    write_all(answer, work(job) + kWhole);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    std::fflush(stderr);
+    _exit(1);
+  }
+  _exit(0);  // neither the parent's buffers nor its destructors are the child's
+}
+
+Child start(std::size_t job, const ChildLimits& limits, const std::function<std::string(std::size_t)>& work) {
+  int answer[2], said[2];
+  if (pipe2(answer, O_CLOEXEC) != 0 || pipe2(said, O_CLOEXEC) != 0) cannot("make a pipe");
+  Child child;
+  child.job = job;
+  child.deadline =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limits.wall_seconds));
+  child.pid = fork();
+  if (child.pid < 0) cannot("start");
+  if (child.pid == 0) be_child(answer[1], said[1], limits, work, job);
+  close(answer[1]);
+  close(said[1]);
+  child.answer = answer[0];
+  child.said = said[0];
+  return child;
+}
+
+/// Takes what is there; closes `file` at its end.
+void take(int& file, std::string& into, std::size_t most) {
+  char block[1 << 14];
+  const ssize_t got = read(file, block, sizeof block);
+  if (got < 0 && (errno == EINTR || errno == EAGAIN)) return;
+  if (got <= 0) {
+    close(file);
+    file = -1;
+    return;
+  }
+  if (into.size() < most) into.append(block, static_cast<std::size_t>(got));
+}
+
+std::string failure_of(const Child& child, int status, const ChildLimits& limits) {
+  std::string said = child.words;
+  while (!said.empty() && said.back() == '\n') said.pop_back();
+  said = one_line(said, 300);
+  if (child.late) return "more than " + real_text(limits.wall_seconds) + " s of wall time";
+  if (WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    if (signal == SIGXCPU) return "more than " + real_text(limits.processor_seconds) + " s of processor time";
+    return (signal == SIGABRT ? "aborted" : "crashed by signal " + std::to_string(signal)) +
+           (said.empty() ? "" : ": " + said);
+  }
+  return "ended with code " + std::to_string(WEXITSTATUS(status)) + (said.empty() ? "" : ": " + said);
+}
+
+/// The children of one call; whoever leaves it leaves none behind.
+struct Children {
+  std::vector<Child> running;
+
+  ~Children() {
+    for (Child& child : running) kill(child.pid, SIGKILL);
+    for (Child& child : running) {
+      waitpid(child.pid, nullptr, 0);
+      if (child.answer >= 0) close(child.answer);
+      if (child.said >= 0) close(child.said);
+    }
+  }
+};
+
+}  // namespace
+
+void in_children(std::size_t count, int processes, const ChildLimits& limits,
+                 const std::function<std::string(std::size_t)>& work,
+                 const std::function<void(std::size_t, const std::string&, const std::string&)>& done) {
+  std::fflush(nullptr);
+  Children children;
+  auto& running = children.running;
+  std::size_t next = 0;
+  while (next < count || !running.empty()) {
+    stop_if_wanted();
+    while (next < count && running.size() < static_cast<std::size_t>(std::max(1, processes)))
+      running.push_back(start(next++, limits, work));
+
+    std::vector<pollfd> files;
+    for (const Child& child : running) {
+      files.push_back({child.answer, POLLIN, 0});
+      files.push_back({child.said, POLLIN, 0});
+    }
+    poll(files.data(), files.size(), 100);  // ms; also how soon a wish to stop is seen
+    for (std::size_t i = 0; i < running.size(); ++i) {
+      Child& child = running[i];
+      if (files[2 * i].revents) take(child.answer, child.bytes, ~std::size_t{0});
+      if (files[2 * i + 1].revents) take(child.said, child.words, kMostSaid);
+      if (!child.late && Clock::now() > child.deadline) {
+        child.late = true;
+        kill(child.pid, SIGKILL);
+      }
+    }
+    for (std::size_t i = running.size(); i-- > 0;) {
+      if (running[i].answer >= 0 || running[i].said >= 0) continue;
+      Child child = std::move(running[i]);
+      running.erase(running.begin() + static_cast<std::ptrdiff_t>(i));
+      int status = 0;
+      while (waitpid(child.pid, &status, 0) < 0 && errno == EINTR) continue;
+      const bool whole = WIFEXITED(status) && WEXITSTATUS(status) == 0 && child.bytes.ends_with(kWhole);
+      if (whole) child.bytes.pop_back();
+      done(child.job, whole ? child.bytes : "", whole ? "" : failure_of(child, status, limits));
+    }
+  }
+}
+
+}  // namespace pipeline

@@ -1,0 +1,280 @@
+"""The report on studies: findings say what hand-made tables say, and change with them; nothing a file lacks stops it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis import extremes_figures, findings, report, study_figures, study_tables
+from analysis.figure import Figure, Table
+
+MERSON, EULER = "RungeKuttaMerson", "ExplicitEuler"
+
+
+def case(integrator, sweep="drop", problem="drop", **more):
+    """A row of /study that finished, `more` put over it."""
+    row = {
+        "sweep": sweep, "problem": problem, "integrator": integrator, "units": "SI", "status": "finished", "reason": "",
+        "accuracy": 1e-3, "fixed_step": np.nan, "nominal_order": 4.0, "stiffness": 1e8, "dissipation": 0.1, "reached": 1.0,
+        "error": np.nan, "energy_error": 1e-4, "momentum_drift": 0.0, "greatest_penetration": 0.1, "smallest_step": 1e-4,
+        "preventing_step": np.nan, "steps": 100, "rejected_steps": 1, "force_evaluations": 500, "finished": True,
+        "time_ns": 1000,
+    } | more  # fmt: skip
+    names = set(study_tables.PARAMETERS) - set(row)
+    row |= dict.fromkeys(names, np.nan)
+    return row | {"finished": row["status"] == "finished"}
+
+
+def made(rows=None, **more):
+    """A Run: a study of `rows`, or what `more` says."""
+    meta = {
+        "title": "Made", "steps": 0, "rate": np.nan, "bodies": [], "algorithms": [], "answers": {}, "schema_version": 1,
+        "config_effective": "", "run": {}, "motion": {}, "truth": {},
+    } | more.pop("meta", {})  # fmt: skip
+    run = {
+        "path": "made.h5", "meta": meta, "study": None if rows is None else pd.DataFrame(rows), "physics": None,
+        "extremes": None, "failures": None, "summary": pd.DataFrame(), "per_step": pd.DataFrame(),
+        "truth_hits": np.zeros(0, np.uint64), "passes": None,
+    } | more  # fmt: skip
+    return SimpleNamespace(**run)
+
+
+def stiff(**changed):
+    """Two integrators over three stiffnesses, the default of a second sweep in the middle; changed: by (who, Pa)."""
+    rows = []
+    for who, cost in ((MERSON, 500), (EULER, 100)):
+        for value in (1e7, 1e8, 1e9):
+            more = changed.get(f"{who}_{value:g}", {})
+            rows.append(case(who, "over_stiffness", **{"stiffness": value, "force_evaluations": cost} | more))
+        rows += [case(who, "over_dissipation", dissipation=value, force_evaluations=cost) for value in (0.0, 0.1)]
+    return made(rows)
+
+
+def said(run, *beside):
+    return "\n".join(findings.study(run, [run, *beside]))
+
+
+def scene(**physics):
+    lines = "\n".join(f"{name} = {value!r}".replace("'", '"') for name, value in physics.items())
+    return made(meta={"title": "Scene", "config_effective": f"[physics]\n{lines}\n"})
+
+
+# ---- Studies ---------------------------------------------------------------------------------------------------------
+
+
+def test_sweeps_are_told_apart_by_what_varies_in_them():
+    rows = [case(MERSON, "s", stiffness=value) for value in (1e3, 1e4)]
+    rows += [case(MERSON, "p", "pendulum", accuracy=10.0**-k, error=10.0**-k) for k in range(1, 5)]
+    rows += [case(MERSON, "far", offset=value) for value in (0.0, 1e7)]
+    maps, precision, rest = study_tables.parts(pd.DataFrame(rows))
+    assert [name for name, _ in maps] == ["s"]
+    assert [(name, len(mine)) for name, mine in precision] == [("pendulum", 4)]
+    assert list(rest["sweep"]) == ["far", "far"]
+
+
+def test_the_cheapest_for_a_precision_is_of_those_that_reach_it():
+    def run(evaluations):
+        rows = [case(MERSON, "p", "pendulum", accuracy=10.0**-k, error=10.0**-k, force_evaluations=100 * k) for k in range(1, 8)]
+        rows += [case(EULER, "p", "pendulum", accuracy=10.0**-k, error=10.0**-k, force_evaluations=evaluations * k) for k in range(1, 4)]
+        return made(rows)
+
+    cheap = study_tables.cheapest(run(50)).set_index("threshold")
+    assert list(cheap["integrator"]) == [EULER, MERSON, ""]  # 1e-3, 1e-6; nobody reaches 1e-9
+    assert cheap["cost"][1e-3] == 150 and cheap["runner_up"][1e-3] == MERSON and cheap["times"][1e-3] == 2
+    assert list(study_tables.cheapest(run(200))["integrator"]) == [MERSON, MERSON, ""]
+    assert "For an error below 0.001 the fewest force evaluations need ExplicitEuler on pendulum (150)" in said(run(50))
+    assert "No integrator brings the error below 1e-9 on any of 1 problems" in said(run(50))
+
+
+def test_a_case_that_failed_reaches_no_precision_and_stays_in_the_numbers():
+    rows = [case(MERSON, "p", "pendulum", accuracy=10.0**-k, error=1e-4, status="time" if k == 3 else "finished") for k in range(1, 4)]
+    table = study_tables.work_precision(made(rows))
+    assert table["error"].isna().sum() == 1 and list(table["status"]) == ["finished", "finished", "time"]
+
+
+def test_of_those_that_hold_and_cost_at_most_twice_the_cheapest_the_most_accurate_is_recommended():
+    table = study_tables.recommendation(stiff()).set_index("integrator")
+    assert table["cheapest"][EULER] and table["recommended"][EULER]  # 500 is more than twice 100
+    near = stiff(**{f"{EULER}_{value:g}": {"force_evaluations": 400, "energy_error": 5e-3} for value in (1e7, 1e8, 1e9)})
+    table = study_tables.recommendation(near).set_index("integrator")
+    assert table["cheapest"][EULER] and table["recommended"][MERSON]
+    assert f"Recommended near 1e+08 Pa: {MERSON} at accuracy 0.001" in said(near)
+
+
+@pytest.mark.parametrize("wrong", [{"energy_error": 0.02}, {"energy_error": -0.02}, {"status": "energy"}, {"energy_error": np.nan}])
+def test_who_fails_once_near_the_scenes_stiffness_is_not_recommended(wrong):
+    table = study_tables.recommendation(stiff(**{f"{EULER}_1e+09": wrong}))
+    assert list(table[table["recommended"]]["integrator"]) == [MERSON]
+
+
+def test_nothing_is_recommended_when_nobody_holds_or_nobody_has_all_cases():
+    bad = {f"{who}_1e+08": {"status": "not_finite"} for who in (MERSON, EULER)}
+    assert "Nothing is recommended near 1e+08 Pa: of 3 cases nobody holds in all of them." in said(stiff(**bad))
+    rows = stiff().study
+    sparse = rows[~((rows.sweep == "over_stiffness") & (rows.stiffness == np.where(rows.integrator == MERSON, 1e7, 1e9)))]
+    assert "nobody has all of them" in said(made(sparse))
+
+
+def test_a_scene_beside_follows_the_recommendation_or_not():
+    run = stiff()
+    follows = scene(integrator=EULER, accuracy=1e-3, stiffness=1e8)
+    other = scene(integrator=MERSON, accuracy=1e-3, stiffness=1e8)
+    unknown = scene(integrator=MERSON, accuracy=1e-5, stiffness=1e8)
+    assert f"“Scene” ({EULER} at accuracy 0.001, 1e+08 Pa) follows the recommendation." in said(run, follows)
+    assert "does not follow the recommendation, ExplicitEuler at accuracy 0.001: its own holds too and needs 5 times" in said(run, other)
+    assert "the study has no cases of its own setting" in said(run, unknown)
+
+
+def test_what_holds_and_what_fails_is_said_with_its_cause():
+    assert f"(over_stiffness) {MERSON} and {EULER} keep the energy within 1 % over stiffness 1e7 to 1e9 Pa" in said(stiff())
+    failed = said(stiff(**{f"{EULER}_1e+09": {"status": "energy"}}))
+    assert f"(over_stiffness) {MERSON} keeps the energy" in failed
+    assert f"{EULER} does not finish at stiffness 1e9 Pa: energy grew beyond the bound." in failed
+    assert "1 of 10 cases did not finish: 1 energy grew beyond the bound." in failed
+    silent = said(stiff(**{f"{EULER}_1e+09": {"energy_error": 4.0}}))
+    assert f"{EULER} finishes silently with 5 times the energy at stiffness 1e9 Pa." in silent
+    assert "All 10 cases finished." in silent
+
+
+def test_a_failure_is_a_letter_in_the_map_and_a_row_of_its_numbers():
+    figure = study_figures.map_figure(stiff(**{f"{EULER}_1e+09": {"status": "tunnelled"}}), "over_stiffness", "key")
+    assert ">W<" in figure.svg and "went through the plate" in figure.svg
+    assert list(figure.table["status"]).count("tunnelled") == 1
+    assert "ExplicitEuler does not finish everywhere" in figure.title
+
+
+@pytest.mark.parametrize("value, text", [(0, "0"), (4e-4, "0"), (-0.0123, "−1.2"), (0.126, "+13"), (12.5, "+1e3"), (np.inf, "∞"), (np.nan, "–")])
+def test_shares_of_energy_are_shown_in_percent_and_few_characters(value, text):
+    assert study_figures.percent(value) == text
+
+
+def test_the_greatest_step_that_stops_a_ball_is_said_or_that_there_is_none():
+    def run(step):
+        return made([
+            case(MERSON, "plate", "thin_plate", greatest_step=length, speed=5000.0, thickness=0.2, preventing_step=step,
+                 status=status)
+            for length, status in ((1e-2, "tunnelled"), (1e-5, "finished"))
+        ])  # fmt: skip
+
+    assert "5000 m/s against a plate of 0.2 m and 1e+08 Pa is stopped by steps of at most 0.0003 s" in said(run(3e-4))
+    assert "no step was found that stops it" in said(run(np.nan))
+    table = study_tables.tunnelling(run(3e-4))
+    assert table["went_through"][0] == [1e-2] and table["stopped"][0] == [1e-5]
+
+
+def test_an_empty_study_and_one_where_all_fails_are_reported():
+    empty = made([case(MERSON)])
+    empty.study = empty.study.iloc[:0]
+    assert said(empty) == "The study has no cases."
+    rows = [case(MERSON, "p", "pendulum", accuracy=10.0**-k, status="not run", energy_error=np.nan) for k in range(1, 5)]
+    for run in (empty, made(rows)):
+        page = report.report([run])
+        assert "Traceback" not in page and "Findings" in page
+    assert "4 of 4 cases did not finish" in page
+
+
+# ---- Extremes of the answers -----------------------------------------------------------------------------------------
+
+CLASSES = [("-1e-3", -1e-3, True), ("-1 ulp", -2e-16, True), ("0 ulp", 0.0, True), ("+1 ulp", 2e-16, False), ("+1e-3", 1e-3, False)]
+
+
+def answered(report_=lambda label, name, meets: meets, failed=(), swapped=None):
+    """A run of extremes of two algorithms; report_: (label, class, truth) -> what is reported."""
+    labels, rows = ["one", "two"], []
+    for step, (name, gap, meets) in enumerate(CLASSES):
+        for label in labels:
+            hit = report_(label, name, meets)
+            rows.append({
+                "step": step, "algorithm": label, "pair": "box-box", "gap_class": name, "gap": gap, "scale": 1.0, "offset": 0.0,
+                "truth": meets, "truth_moved": meets, "near_touching": "ulp" in name, "reported": hit,
+                "swapped": hit != (label == swapped), "moved": hit, "failed": label in failed, "refused": label in failed,
+            })  # fmt: skip
+    table = pd.DataFrame(rows)
+    table["algorithm"] = pd.Categorical(table["algorithm"], labels)
+    meta = {"algorithms": labels, "steps": len(CLASSES), "rate": 60.0, "answers": {label: {"name": label} for label in labels}}
+    return made(extremes=table, failures=["too dense" if label in failed else "" for label in labels], meta=meta)
+
+
+def test_gaps_stand_from_deep_inside_over_ulps_to_far_apart():
+    table = extremes_figures.gap_shares(answered())
+    shuffled = table.sample(frac=1, random_state=1)
+    assert [name for name, _ in extremes_figures.gap_classes(shuffled)] == [name for name, _, _ in CLASSES]
+
+
+def test_errors_near_touching_are_counted_apart():
+    rounding = answered(lambda label, name, meets: meets ^ (label == "two" and name == "+1 ulp"))
+    figure = extremes_figures.gap_figure(rounding, "key")
+    assert figure.title == "Beyond rounding of touching one and two are never wrong"
+    told = findings.answers(rounding)
+    assert "one and two are never wrong in 2 cases farther than 1000 ulps from touching." in told
+    assert "Wrong within 1000 ulps of touching: two 33.33% (0 missed, 1 invented)." in told
+
+
+def test_what_is_missed_and_invented_far_from_touching_changes_the_finding():
+    missing = answered(lambda label, name, meets: meets and label == "one")
+    assert extremes_figures.gap_figure(missing, "key").title == "Beyond rounding of touching one is never wrong"
+    assert "Wrong farther than 1000 ulps from touching: two 50.00% (1 missed, 0 invented)." in findings.answers(missing)
+    inventing = answered(lambda label, name, meets: True)
+    assert "one and two invent but never miss" in extremes_figures.gap_figure(inventing, "key").title
+
+
+def test_answers_that_change_and_algorithms_that_fail_are_named():
+    steady, shaky, failing = (findings.answers(run) for run in (answered(), answered(swapped="two"), answered(failed=["two"])))
+    assert "No answer changes with the order of the pair, of 2 algorithms." in steady
+    assert "No algorithm refuses a pair or throws." in steady
+    assert "Answers that change with the order of the pair: two 5 of 5." in shaky
+    assert "two fails in 5 of 5 cases; first: too dense." in failing
+
+
+# ---- Drift -------------------------------------------------------------------------------------------------------------
+
+
+def drifting(energy, **physics):
+    table = pd.DataFrame({"energy": np.asarray(energy, float), "greatest_penetration": np.zeros(len(energy))})
+    table.attrs["status"] = "complete"
+    run = scene(integrator=MERSON, **physics)
+    run.meta |= {"steps": len(energy), "rate": 1.0}
+    run.physics, run.bodies = table, pd.DataFrame({"first_step": [0, 0]})
+    return run
+
+
+def test_energy_is_judged_only_where_nothing_gives_or_takes_it():
+    lossy = findings.drift(drifting([10, 9, 8], dissipation=0.1))
+    assert not any("energy" in text for text in lossy)
+    good, bad = (findings.drift(drifting(energy, dissipation=0.0)) for energy in ([0, 10, 10.05], [0, 10, 10.5]))
+    assert any("off by 0.5 % at most and by +0.5 % at the end, within 1 %." in text for text in good)
+    assert any("off by 5 % at most and by +5 % at the end, more than 1 %." in text for text in bad)
+    born = drifting([10, 10.5], dissipation=0.0)
+    born.bodies["first_step"] = [0, 1]
+    assert not any("energy" in text for text in findings.drift(born))
+
+
+def test_an_integration_that_stopped_says_how_far_it_came():
+    run = drifting([10, np.nan, np.nan], dissipation=0.0)
+    run.physics.attrs["status"] = "failed at step 1: energy"
+    assert findings.drift(run)[0] == "The integration failed at step 1: energy; 1 of 3 steps were reached."
+
+
+# ---- The page ------------------------------------------------------------------------------------------------------------
+
+
+def test_every_part_of_a_study_and_of_extremes_is_drawn():
+    rows = stiff().study.to_dict("records")
+    rows += [case(MERSON, "p", "pendulum", accuracy=np.nan, fixed_step=10.0**-k, error=10.0 ** (-4 * k + 2)) for k in range(1, 4)]
+    rows += [case(EULER, "far", offset=value, status="exception") for value in (0.0, 1e7)]
+    sections = [*study_figures.sections([made(rows)]), *extremes_figures.sections([answered()])]
+    parts = [part for section in sections for part in section.parts]
+    assert not [part for part in parts if isinstance(part, str) and "not drawn" in part]
+    assert sum(isinstance(part, Figure) for part in parts) == 10
+    assert sum(isinstance(part, Table) for part in parts) == 3
+    keys = [part.key for part in parts if isinstance(part, Figure)]
+    assert len(keys) == len(set(keys))
+
+
+def test_a_study_alone_has_findings_first_and_no_section_about_answers():
+    page = report.report([stiff()])
+    heads = [line.partition(">")[2].partition("<")[0] for line in page.split("<h2 id=")[1:]]
+    assert heads[0] == "Findings" and "Error against time" not in heads
+    assert "no algorithm has answered" not in page and "10 cases of 2 integrators" in page
+    assert page == report.report([stiff()])
