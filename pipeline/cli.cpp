@@ -50,11 +50,15 @@ int finish(const Result& result, const std::string& path, bool json) {
   return bad.empty() ? kDone : kFailed;
 }
 
-/// A result for commands that need a whole one: the part of a run that is not finished has nothing to judge yet.
+/// A result for commands that need a whole one of a scene: the part of a run that is not finished has nothing to judge
+/// yet, and a study of integrators nothing at all.
 Result whole_result(const std::string& file) {
   if (std::error_code none; std::filesystem::is_directory(file, none) && file.ends_with(".part"))
     throw Error(kFile, file + ": is an unfinished run; finish it with the same `pipeline run`, then name the result");
-  return read_result(file);
+  Result result = read_result(file);
+  if (result.study)
+    throw Error(kFile, file + ": is a study of the integrators, without poses and answers; name a result of a scene");
+  return result;
 }
 
 struct VerifyOptions {

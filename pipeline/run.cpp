@@ -114,13 +114,17 @@ Plan plan(const Config& config) {
     plan.file_bytes =
         estimated_bytes(steps, 2, algorithms, mesh_bytes) + steps * (size.bodies * kPose + kRow + kFlags * algorithms);
   }
-  // Gaps: about as many pairs as an algorithm reports, each with two reals; and their own placed bodies.
-  const std::uint64_t gaps = config.gap_margin ? 1 : 0;
-  plan.file_bytes += gaps * steps * (4 * size.bodies * 24 + 8);
-  // In memory: the result and, while it is written, once more its datasets; the truth's world vertices (24 bytes) and
-  // boxes (about 48 bytes a triangle) of every body; hierarchies and sampled facets (about 200 bytes a triangle of a
-  // mesh).
-  plan.memory_bytes = 2 * plan.file_bytes + (1 + gaps) * (24 + 2 * 48) * size.body_vertices + 200 * size.mesh_triangles;
+  // Gaps: about as many pairs as an algorithm reports, each with two reals.
+  if (config.gap_margin) plan.file_bytes += steps * (4 * size.bodies * 24 + 8);
+  // In memory: the result and, while it is written, once more its datasets; of every distinct mesh the hierarchies and
+  // sampled facets (about 200 bytes a triangle) of the truth and of each algorithm. Gaps: on every thread the world
+  // vertices (24 bytes) and boxes (48 bytes, up to four a vertex) of all bodies.
+  plan.memory_bytes = 2 * plan.file_bytes + (1 + algorithms) * 200 * size.mesh_triangles;
+  if (config.gap_margin) {
+    const std::uint64_t chunks = (steps + kChunkSteps - 1) / kChunkSteps;
+    const std::uint64_t threads = std::max(1u, std::thread::hardware_concurrency());
+    plan.memory_bytes += std::min(threads, chunks) * (24 + 4 * 48) * size.body_vertices;
+  }
   if (plan.case_sets > 0) plan.memory_bytes += plan.file_bytes;  // nearly all is motion, there once more for a moment
   return plan;
 }

@@ -145,9 +145,12 @@ def test_mass_and_inertia_without_sense_are_refused(tmp_path, key, value):
     assert not (tmp_path / "x.h5").exists()
 
 
-def test_what_asks_for_poses_refuses_a_study(result):
-    run = pipeline("detect", result)
-    assert run.returncode == FILE and "study" in one_line(run)
+def test_what_asks_for_poses_refuses_a_study(result, tmp_path):
+    for command in (["detect"], ["verify"], ["score", "--against", tmp_path / "x.json", "--write"],
+                    ["export", "--vtk", tmp_path / "x"]):  # fmt: skip
+        run = pipeline(command[0], result, *command[1:])
+        assert run.returncode == FILE and "study" in one_line(run), command
+    assert list(tmp_path.iterdir()) == []
     run = analysis("statements", result)
     assert run.returncode == FILE and "study" in run.stderr
 
