@@ -9,9 +9,10 @@
 // World vertices. From broad_phase.cpp, |e_i| <= 4.01 u (sum |r_k| |v_k| + |t_i|) <= 4.02 u (reach + |t_i|); along any
 // d |d . e| <= |d| |e| <= |d| (6.97 u reach + 4.02 u |t|).                                                         (1)
 //
-// Spheres. The middle m = to_world(c) has an error like a vertex's, |c| <= reach (1 + 2^-50). So
-// |w - m| <= (1 + 64 u) radius + 14 u reach + 8.1 u |t|, and with radius <= 2.01 reach that is below
-// radius + 143 u reach + 8.1 u |t|. `fine` = 256 u (S + L) covers both bodies. |m_a - m_b|^2 as computed has a relative
+// Spheres. The middle of the box may lie farther out than any vertex, but no coordinate of it does: |c| <= sqrt(3) reach
+// (1 + 2^-50). m = to_world(c) has an error like a vertex's, so |w - m| <= (1 + 64 u) radius + 20 u reach + 8.1 u |t|,
+// and with radius <= 2.74 reach that is below radius + 196 u reach + 8.1 u |t|. `fine` = 256 u (S + L) covers both
+// bodies. |m_a - m_b|^2 as computed has a relative
 // error of 6 u, the square of the sum one of 5 u: the factor 1 + 2^-48 = 1 + 32 u covers them.
 //
 // Planes. Along d, |d| <= 1 + 2^-20: d . w = (R^T d) . v + d . t + d . e. The computed R^T d is off by 3.01 u |R|^T |d|
@@ -91,7 +92,7 @@ Margin margin(const Body& a, const Body& b) {
   out.useful =
       a.at.rigid && b.at.rigid && least >= 0x1p-60 && reach <= 0x1p60 && far <= 0x1p60 && out.fine <= 0x1p-24 * least;
   if (!out.useful) return out;
-  // |t_b - t_a| bounds |T|; twice the sum of its parts covers what its own rounding may hide.
+  // Not less than |T|: the sum of the parts is never below the length, but for roundings that `coarse` has room for.
   const double between =
       std::fabs(b.at.t.x() - a.at.t.x()) + std::fabs(b.at.t.y() - a.at.t.y()) + std::fabs(b.at.t.z() - a.at.t.z());
   out.coarse = static_cast<float>((0x1p-17 * (reach + between) + 0x1p-42 * (reach + far)) * (1 + 0x1p-20));

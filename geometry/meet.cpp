@@ -45,7 +45,10 @@ Decision::Decision(const Bodies& bodies, std::span<const Bvh> bvhs, std::span<co
   assert(bvhs.size() == bodies.meshes.size() && "one hierarchy per distinct mesh");
 }
 
-void Decision::prepare(std::span<const Pose> poses) { broad_.prepare(poses); }
+void Decision::prepare(std::span<const Pose> poses) {
+  broad_.prepare(poses);
+  for (Placed& placed : placed_) placed.forget();  // or a step asked twice would place less the second time
+}
 
 void Decision::hits(std::span<const PairRun> runs, std::vector<Pair>& out, std::vector<Pair>* contained) {
   assert((!contained || solids_.size() == bodies_.meshes.size()) && "containment needs a solid per distinct mesh");

@@ -20,6 +20,9 @@ class Placed {
   /// Places the body, unless it is the mesh at the very pose that was placed last.
   void place(const Body& body);
 
+  /// Places anew the next time.
+  void forget() { mesh_ = nullptr; }
+
   std::span<const Vec3> world() const { return world_; }
   std::span<const Box> boxes() const { return boxes_; }
 

@@ -353,20 +353,6 @@ def test_a_result_without_algorithms_is_said(copy, tmp_path):
     odd(copy, tmp_path, "no algorithm has answered", "There is nothing to draw")
 
 
-def test_a_study_of_integrators_is_no_scene_that_lacks_everything(copy, tmp_path):
-    with h5py.File(copy, "r+") as file:
-        for name in [name for name in file if name not in ("config", "run")]:
-            del file[name]
-        file["study/integrator"] = ["RungeKutta3", "Verlet"]
-        file["study/error"] = [1e-3, np.nan]
-    study = load(copy).study
-    assert list(study.integrator) == ["RungeKutta3", "Verlet"] and study.error[0] == 1e-3
-    output = tmp_path / "study.html"
-    assert main(["report", str(copy), "-o", str(output)]) == 0
-    text = output.read_text(encoding="utf-8")
-    assert "2 cases of a study" in text and "lacks /" not in text and "no algorithm has answered" not in text
-
-
 @pytest.mark.parametrize(
     "group", ["physics", "results", "bodies", "meshes", "motion", "truth", "run", "summary", "config", "passes"]
 )

@@ -276,5 +276,5 @@ def test_a_study_alone_has_findings_first_and_no_section_about_answers():
     page = report.report([stiff()])
     heads = [line.partition(">")[2].partition("<")[0] for line in page.split("<h2 id=")[1:]]
     assert heads[0] == "Findings" and "Error against time" not in heads
-    assert "no algorithm has answered" not in page and "10 cases of 2 integrators" in page
+    assert "lacks /" not in page and "no algorithm has answered" not in page and "10 cases of 2 integrators" in page
     assert page == report.report([stiff()])
