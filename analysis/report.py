@@ -88,8 +88,8 @@ def lead(runs, found):
     lines = []
     if labels or not any(map(is_study, runs)):
         lines.append(
-            f"How often {labels} approximate collision tests between triangle meshes err, judged by exact answers, and"
-            " what they cost."
+            f"How often {labels} approximate collision test{'s' * (labels != 1)} between triangle meshes err"
+            f"{'s' * (labels == 1)}, judged by exact answers, and what {'they cost' if labels != 1 else 'it costs'}."
         )
     if any(map(is_study, runs)):
         lines.append(
