@@ -25,7 +25,7 @@ Target::Target(const path& target, bool replace) : path_(target), replace_(repla
     if (!S_ISREG(status.st_mode)) throw Error(kFile, target.string() + ": is not a regular file; choose another -o");
   }
   // One name for all: what a kill left behind is taken over by the next writer.
-  temporary_ = target.parent_path() / ("." + target.filename().string() + ".new");
+  temporary_ = target.parent_path() / std::string(".").append(target.filename().string()).append(".new");
   for (;;) {
     file_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (file_ < 0) fail();
