@@ -304,15 +304,21 @@ def _fixed(limits, least):
 
 
 def _line(axes, points, cost, algorithm, rows, dashes, width):
-    """Draws a line through rows with an error; gives its segments in data."""
+    """Draws a line through rows with an error; gives its segments in pixels."""
     rows = [row for row in rows if points.error[row] > 0]
     x, y = points[cost][rows].to_numpy(), points.error[rows].to_numpy()
-    axes.plot(x, y, color=style(algorithm)["color"], linestyle=dashes, linewidth=width, alpha=0.75, zorder=2)
-    return [(x[i], y[i], x[i + 1], y[i + 1]) for i in range(len(rows) - 1)]
+    return _stroke(axes, x, y, color=style(algorithm)["color"], linestyle=dashes, linewidth=width, alpha=0.75, zorder=2)
+
+
+def _stroke(axes, x, y, **look):
+    """Draws a line; gives its segments (x0, y0, x1, y1) in pixels, for labels to keep away from."""
+    axes.plot(x, y, **look)
+    at = axes.transData.transform(np.column_stack([x, y])) if len(x) else []
+    return [(*start, *end) for start, end in zip(at, at[1:])]
 
 
 def _front(main, strip, points, cost):
-    """Draws the staircase through the points of the front; gives its segments in data of `main`."""
+    """Draws the staircase through the points of the front; gives its segments in pixels."""
     drawn = []
     worth = points[points.front].sort_values([cost, "error"], ascending=[True, False]) if len(points) else points
     look = {"color": "#333333", "linewidth": 1, "linestyle": (0, (4, 2)), "zorder": 1}
@@ -324,11 +330,11 @@ def _front(main, strip, points, cost):
         x, y = above[cost].to_numpy(), above.error.to_numpy()
         x = [x[0], x[0], *np.repeat(x[1:], 2), last]
         y = [main.get_ylim()[1], *np.repeat(y[:-1], 2), y[-1], y[-1]]
-        main.plot(x, y, **look)
-        drawn = list(zip(x[:-1], y[:-1], x[1:], y[1:]))
+        drawn += _stroke(main, x, y, **look)
     if len(free):
-        main.plot([last, last], [main.get_ylim()[0], above.error.min() if len(above) else main.get_ylim()[1]], **look)
-        strip.plot([last, last, end], [1, 0, 0], **look)
+        top = above.error.min() if len(above) else main.get_ylim()[1]
+        drawn += _stroke(main, [last, last], [main.get_ylim()[0], top], **look)
+        drawn += _stroke(strip, [last, last, end], [1, 0, 0], **look)
     return drawn
 
 
@@ -345,14 +351,13 @@ def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
         (strip if error == 0 else main).transData.transform((x, error)) for x, error in zip(points[cost], points.error)
     ]
     pixels = np.array(places)
-    segments = [(*main.transData.transform(s[:2]), *main.transData.transform(s[2:])) for s in drawn]
     rows = sorted(named, key=lambda row: (not points.front[row], row))
     weights = ["bold" if points.front[row] else "normal" for row in rows]
     sizes = np.array([labels.size(points.label[row], TEXT, weight) for row, weight in zip(rows, weights)])
     box, under = main.get_window_extent(), strip.get_window_extent()
     region = (box.x0 + 2, under.y0 + 1, box.x1 + 6, box.y1 + 4)
     radii = (4.0 if crowded else 5.0) + 2.5 * points.exact.to_numpy() + 2.5 * points.library.to_numpy()
-    corners = labels.place(rows, sizes, region, pixels, radii, segments)
+    corners = labels.place(rows, sizes, region, pixels, radii, drawn)
     to_figure = fig.transFigure.inverted()
     for row, corner, extent, weight in zip(rows, corners, sizes, weights):
         if np.isnan(corner).any():

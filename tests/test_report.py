@@ -226,6 +226,14 @@ def test_labels_cover_neither_each_other_nor_marks(seed, count):
     assert not ((low[:, None] < marks[None] + 4) & (marks[None] - 4 < high[:, None])).all(axis=2).any(), f"seed {seed}"
 
 
+@pytest.mark.parametrize("line", [(115, 0, 115, 200), (107.5, 0, 107.5, 200)], ids=["through it", "at its edge"])
+def test_a_label_goes_where_no_line_touches_it(line):
+    free = labels.place([0], [(40, 9)], (0, 0, 200, 200), [(100, 100)], [4], [])
+    assert tuple(free[0]) == (108, 95.5)  # to the right, in the middle
+    (left, low), *_ = labels.place([0], [(40, 9)], (0, 0, 200, 200), [(100, 100)], [4], [line])
+    assert not left - 1 < line[0] < left + 41
+
+
 def points(rows):
     """label, error, ns -> what finding() asks of points."""
     table = pd.DataFrame(rows, columns=["label", "error", "time_mean_ns"])
@@ -282,6 +290,23 @@ def test_an_algorithm_without_error_stands_in_the_strip(copy):
     drawn = figures([load(copy)])[0]
     assert drawn.title.startswith("obb_sat makes no error at ")
     assert "none is without error" not in drawn.svg and "ring: promises exactness" in drawn.svg
+
+
+def test_names_in_the_strip_stand_off_the_front(copy, tmp_path):
+    with h5py.File(copy, "r+") as file:
+        for name in ("error", "false_positive", "false_negative"):
+            file[f"summary/{name}"][...] = 0
+        file["summary/time_mean_ns"][...] = 10.0 ** np.arange(3, 3 + len(file["algorithm"]))
+    (tmp_path / "page.html").write_text(page("t", [], [], [Section("s", figures([load(copy)])[:1])]), encoding="utf-8")
+    with browsing(tmp_path / "page.html") as opened:
+        boxes = "[...document.querySelectorAll('svg %s')].map(e => e.getBoundingClientRect()).map(r => [r.top, r.bottom, r.width])"
+        dashed = opened.evaluate(boxes % "path[style*=dasharray]")
+        names = [box for box in opened.evaluate(boxes % "g[style*=paint-order] text")]
+    front = next(bottom for top, bottom, width in dashed if width > 100)  # it ends level, at no error
+    assert len(names) == len(load(copy).summary)
+    first, *others = sorted(names, key=lambda box: abs((box[0] + box[1]) / 2 - front))
+    for top, bottom, _ in others:  # the first stands before the line begins
+        assert bottom < front or top > front
 
 
 # ---- several files, machines, and what is odd
