@@ -67,6 +67,24 @@ def test_the_page_opens_without_a_message_and_is_not_blank(made, tmp_path, width
     assert image[..., :3].std() > 0.05
 
 
+def test_text_in_pictures_is_readable_on_a_phone(tmp_path):
+    parts = []
+    for size in (7.5, 9):
+        fig, ax = figure()
+        ax.text(0, 0, "a cell", fontsize=size)
+        parts.append(Figure("t", svg_of(fig), "c", pd.DataFrame({"x": [1]}), f"f{size * 10:.0f}"))
+    (tmp_path / "page.html").write_text(page("t", [], [], [Section("s", parts)]), encoding="utf-8")
+    with browsing(tmp_path / "page.html", width=390, phone=True) as opened:
+        assert opened.evaluate("document.documentElement.scrollWidth") == 390
+        for key, least, wide in (("f75", 9.4, 540), ("f90", 7.9, 380)):
+            width = opened.evaluate(f"document.querySelector('#{key} svg').getBoundingClientRect().width")
+            sizes = opened.evaluate(f"[...document.querySelectorAll('#{key} text')].map(t => parseFloat(getComputedStyle(t).fontSize))")
+            assert min(sizes) * width / 432 >= least  # 432 points wide
+            assert abs(width - wide) < 10  # what is large enough fits the screen, the other scrolls within itself
+        scrolls = "(e => [e.scrollWidth > e.clientWidth, getComputedStyle(e).overflowX])(document.querySelector('#f75 .picture'))"
+        assert opened.evaluate(scrolls) == [True, "auto"]
+
+
 def test_the_page_needs_nothing_else(made):
     text = made.read_text(encoding="utf-8")
     assert not re.search(r"https?://|\bsrc=|@import|<link", text)
