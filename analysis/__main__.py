@@ -7,7 +7,7 @@ the file, 4 a file that is missing, not a result or cannot be written.
 import argparse
 import sys
 
-from analysis import scenes, studies, viewer
+from analysis import scenes, study_tables, viewer
 from analysis.load import load
 from analysis.output import refuse, write
 from analysis.statements import shown, verdicts
@@ -27,7 +27,7 @@ def main(arguments=None):
     command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output))
     command = commands.add_parser("study", help="orders, stability and recommendation of a study; drift of a long run")
     command.add_argument("file", help="result of a study of integrators, or of an integrated scene")
-    command.set_defaults(act=lambda chosen: print(studies.text(load(chosen.file))))
+    command.set_defaults(act=lambda chosen: print(study_tables.text(load(chosen.file))))
     viewer.add_command(commands)
     chosen = parser.parse_args(arguments)
     try:

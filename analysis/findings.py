@@ -35,7 +35,7 @@ def study(run, runs=()):
     """Findings of a study of integrators; runs: what stands beside it in the report."""
     if run.study is None:
         return []
-    table = study_tables.study_of(run)
+    table = studies.study(run)
     if table.empty:
         return ["The study has no cases."]
     return [*ended(table), *precision(run), *converged(run), *held(run), *recommended(run, runs), *went_wrong(run)]
@@ -119,8 +119,8 @@ def held(run):
 
 
 def recommended(run, runs):
-    maps, _, _ = study_tables.parts(study_tables.study_of(run))
-    if not any(study_tables.varied(rows) == ["stiffness"] for _, rows in maps):
+    maps, _, _ = study_tables.parts(studies.study(run))
+    if not any(studies.varied(rows) == ["stiffness"] for _, rows in maps):
         return []
     found = []
     others = study_tables.followed(run, [other for other in runs if other is not run])

@@ -61,7 +61,7 @@ def sections(runs, beside=None):
 def study_parts(run, runs, key):
     """Whatever the file has of: precision figures, orders, maps, recommendation, extremes."""
     try:
-        study = study_tables.study_of(run)
+        study = studies.study(run)
         maps, precision, rest = study_tables.parts(study)
     except (KeyError, ValueError) as error:
         return [f"The study cannot be read: {error}."]
@@ -73,7 +73,7 @@ def study_parts(run, runs, key):
             found.append(guarded("Error against cost", precision_figure, run, cost, f"{key}-{cost.replace('_', '-')}"))
         found.append(guarded("Error against the step", order_figure, run, f"{key}-order"))
         found.append(guarded("Orders", orders_table, run))
-    stiff = [name for name, rows in maps if study_tables.varied(rows) == ["stiffness"]]
+    stiff = [name for name, rows in maps if studies.varied(rows) == ["stiffness"]]
     for name in stiff:
         found.append(guarded("The stability map", map_figure, run, name, f"{key}-map-{slug(name)}"))
     others = [name for name, _ in maps if name not in stiff]

@@ -2,8 +2,8 @@
 
 Functions from a Run with a study (one row per case) to tables. Sweeps are told apart by what varies in them, not by name:
 one that varies a single FACTOR is a map of integrators over that factor; cases that differ in accuracy or fixed step
-alone are a work-precision problem; every other case is an extreme. A case that did not finish stays in every table. Orders, verdicts and the
-rule of the recommendation are studies.py's.
+alone are a work-precision problem; every other case is an extreme. A case that did not finish stays in every table.
+Orders and drift are studies.py's.
 """
 
 import tomllib
@@ -12,11 +12,8 @@ import numpy as np
 import pandas as pd
 
 from analysis import studies
+from analysis.studies import PARAMETERS, varied
 
-PARAMETERS = [
-    "units", "duration", "greatest_step", "radius", "thickness", "offset", "mass", "inertia", "balls", "mass_ratio",
-    "speed", "transition_velocity", "stiffness", "dissipation",
-]  # fmt: skip
 CONTROLS = ["accuracy", "fixed_step"]
 FACTORS = ["stiffness", "mass_ratio", "transition_velocity", "dissipation"]
 UNITS = {"stiffness": "Pa", "transition_velocity": "m/s", "dissipation": "s/m", "offset": "m", "radius": "m", "mass": "kg",
@@ -24,18 +21,6 @@ UNITS = {"stiffness": "Pa", "transition_velocity": "m/s", "dissipation": "s/m", 
 THRESHOLDS = (1e-3, 1e-6, 1e-9)
 BOUND = studies.SOUND  # of the problem's energy
 NEAR = 10.0  # stiffness at most so many times smaller or greater than the scenes' counts as near
-
-
-def study_of(run):
-    """The rows of a study. Raises ValueError when the run is none."""
-    if run.study is None:
-        raise ValueError(f"{run.path}: is no study of integrators (it has no group /study)")
-    return run.study
-
-
-def varied(rows, names=PARAMETERS):
-    """Which parameters have more than one value in `rows`."""
-    return [name for name in names if name in rows and rows[name].nunique(dropna=False) > 1]
 
 
 def setting(row):
@@ -75,7 +60,7 @@ def work_precision(run):
     Columns: problem, integrator, setting (text), accuracy, fixed_step (s), error (relative or rad; NaN where it did not
     finish), force_evaluations, time_s (of processor; NaN where nothing ran), energy_error, status, reason.
     """
-    rows = [rows.assign(problem=name) for name, rows in parts(study_of(run))[1]]
+    rows = [rows.assign(problem=name) for name, rows in parts(studies.study(run))[1]]
     columns = ["problem", "integrator", "setting", *CONTROLS, "error", "force_evaluations", "time_s", "energy_error",
                "status", "reason"]  # fmt: skip
     if not rows:
@@ -118,7 +103,7 @@ def stability(run):
     momentum_drift, greatest_penetration (m), smallest_step (s), steps, rejected_steps, force_evaluations, time_s.
     """
     rows = []
-    for _, found in parts(study_of(run))[0]:
+    for _, found in parts(studies.study(run))[0]:
         factor = varied(found)[0]
         rows.append(found.assign(factor=factor, value=found[factor]))
     columns = ["sweep", "problem", "factor", "value", "integrator", "setting", "finished", "status", "reason",
@@ -139,7 +124,7 @@ def holds(table, bound=BOUND):
 
 def default_stiffness(run):
     """The stiffness (Pa) around which the other factors vary; NaN when the file does not tell."""
-    study = study_of(run)
+    study = studies.study(run)
     values = [rows["stiffness"].dropna() for _, rows in parts(study)[0] if varied(rows) != ["stiffness"]]
     values = pd.concat(values) if values else pd.Series(dtype=float)
     return float(values.mode().iloc[0]) if len(values) else np.nan
@@ -158,7 +143,7 @@ def recommendation(run, stiffness=None, bound=BOUND):
     names = ["integrator", "setting", *CONTROLS, "cases", "of", "holds", "worst_energy_error", "energy_error",
              "force_evaluations", "cheapest", "recommended"]  # fmt: skip
     near = []
-    for name, rows in parts(study_of(run))[0]:
+    for name, rows in parts(studies.study(run))[0]:
         if varied(rows) == ["stiffness"]:
             ratio = rows["stiffness"] / stiffness
             near.append(rows[(ratio <= NEAR * 1.001) & (ratio >= 0.999 / NEAR)])
@@ -233,7 +218,7 @@ def extremes_of_motion(run):
     """
     columns = ["sweep", "case", "integrator", "finished", "status", "reason", "error", "energy_error",
                "greatest_penetration", "steps", "force_evaluations", "preventing_step"]  # fmt: skip
-    rest, tables = parts(study_of(run))[2], []
+    rest, tables = parts(studies.study(run))[2], []
     for _, rows in rest.groupby("sweep", sort=False):
         names = varied(rows)
         several = rows.groupby("integrator")[CONTROLS].nunique().max().max() > 1
@@ -262,7 +247,7 @@ def tunnelling(run):
     One row per sweep, stiffness and integrator. Columns: speed (m/s), thickness (m), stiffness (Pa), went_through and stopped
     (greatest steps of such cases, s, as lists), preventing_step (s; NaN: none was found).
     """
-    study = study_of(run)
+    study = studies.study(run)
     rows = study[study["preventing_step"].notna() | (study["status"] == "tunnelled") | (study["problem"] == "thin_plate")]
     found = []
     keys = ["sweep", "speed", "thickness", "stiffness", "integrator"]
@@ -307,3 +292,40 @@ def lossless(run):
         return False
     push = scene.get("push", {})
     return not push.get("speed") or (push.get("from", 0) <= 0 and push.get("every", 0) >= run.meta["steps"])
+
+
+def text(run):
+    """All that a study or a long integrated motion says, as lines for a terminal."""
+    if run.study is None:
+        found = studies.drift(run)
+        return "\n".join(f"{name:<21} {value:.6g}" if isinstance(value, float) else f"{name:<21} {value}" for name, value in found.items())
+    study = studies.study(run)
+    ends = ", ".join(f"{count} {status}" for status, count in study["status"].value_counts().items())
+    found = [f"{len(study)} cases of {study['integrator'].nunique()} integrators" + (f": {ends}" if ends else "")]
+    fitted = studies.orders(run).dropna(subset="order")
+    if len(fitted):
+        found.append("orders\n" + fitted.round(2).to_string())
+    cases = stability(run)
+    for sweep, mine in cases.groupby("sweep", sort=False):
+        found.append(f"{sweep}, by {mine['factor'].iloc[0]}: energy off its balance, of the problem's\n" + energy_map(mine).to_string())
+    if len(cases):
+        tally = cases.assign(holds=holds(cases)).groupby("integrator", sort=False)["holds"].agg(cases="size", holds="sum")
+        found.append(f"cases of these that finish within {100 * BOUND:g} %\n" + tally.to_string())
+    stiffness = default_stiffness(run)
+    if len(cases) and stiffness == stiffness:
+        near = recommendation(run, stiffness).drop(columns=CONTROLS).set_index("integrator")
+        found.append(f"near {stiffness:g} Pa\n" + near.to_string(float_format="{:.2g}".format))
+    return "\n\n".join(found)
+
+
+def energy_map(cases):
+    """Of one sweep of stability(): energy errors of the cases that finished, statuses of the others, as text.
+
+    Rows: integrators, with their setting where one has several; columns: values of the factor; a dash where none was run.
+    """
+    several = cases.groupby("integrator")["setting"].nunique().max() > 1
+    who = cases["integrator"] + (", " + cases["setting"] if several else "")
+    cell = [f"{row.energy_error:+.0e}" if row.finished else row.status for row in cases.itertuples()]
+    table = cases.assign(who=who, cell=cell).pivot(index="who", columns="value", values="cell").fillna("-")
+    table.columns = [f"{value:g}" for value in table.columns]
+    return table.reindex(who.unique()).rename_axis("integrator")

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis import extremes_figures, findings, report, study_figures, study_tables
+from analysis import extremes_figures, findings, report, studies, study_figures, study_tables
 from analysis.figure import Figure, Table
 
 MERSON, EULER = "RungeKuttaMerson", "ExplicitEuler"
@@ -21,7 +21,7 @@ def case(integrator, sweep="drop", problem="drop", **more):
         "preventing_step": np.nan, "steps": 100, "rejected_steps": 1, "force_evaluations": 500, "finished": True,
         "time_ns": 1000,
     } | more  # fmt: skip
-    names = set(study_tables.PARAMETERS) - set(row)
+    names = set(studies.PARAMETERS) - set(row)
     row |= dict.fromkeys(names, np.nan)
     return row | {"finished": row["status"] == "finished"}
 
