@@ -226,10 +226,12 @@ def drift(run):
     """Findings of a long integrated motion: energy, norms, depth and escapes, as far as they are recorded."""
     if run.physics is None or run.meta["steps"] < 2:
         return []
-    table, seconds, found = study_tables.drift_steps(run), 0.0, []
-    seconds = table["time"].iloc[-1]
+    table, reached, found = study_tables.drift_steps(run), studies.simulated(run), []
     if table.attrs["status"] != "complete":
-        found.append(f"The integration {table.attrs['status'].rstrip('.')}; {int(table['energy'].notna().cumprod().sum())} of {number(len(table))} steps were reached.")
+        found.append(f"The integration {table.attrs['status'].rstrip('.')}; {reached} of {number(len(table))} steps were reached.")
+    if reached < 2:
+        return found
+    seconds = table["time"].iloc[reached - 1]
     change = table["energy_change"].dropna()
     if table.attrs["lossless"] and len(change):
         worst = change.abs().max()
@@ -237,7 +239,9 @@ def drift(run):
                      f"{'within' if worst <= studies.SOUND else 'more than'} {100 * studies.SOUND:g} %.")  # fmt: skip
     if "greatest_penetration" in table and table["greatest_penetration"].notna().any():
         deepest = table["greatest_penetration"].idxmax()
-        found.append(f"Over {seconds:.4g} s bodies sink into each other by {table['greatest_penetration'][deepest]:.3g} m at most, at {table['time'][deepest]:.4g} s.")
+        depth = table["greatest_penetration"][deepest]
+        found.append(f"Over {seconds:.4g} s bodies sink into each other by {depth:.3g} m at most, at {table['time'][deepest]:.4g} s." if depth > 0
+                     else f"Over {seconds:.4g} s no body sinks into another.")  # fmt: skip
     more = drift_words(run)
     return found + ([f"{more[:1].upper()}{more[1:]} over {seconds:.4g} s."] if more else [])
 

@@ -84,7 +84,7 @@ def geometric(values):
 def drift(run):
     """What a long integration lost or gained: a Series.
 
-    seconds (simulated), status; energy_first, energy_last (J), energy_rise and energy_fall (greatest rise above and fall
+    seconds (simulated before it failed, if it did), status; energy_first, energy_last (J), energy_rise and energy_fall (greatest rise above and fall
     below the first energy, of it; of a run with births or pushes they say what came in), energy_last_relative;
     quaternion_drift (greatest deviation of a norm from 1 in the integrator, NaN: not recorded), penetration_median,
     penetration_greatest (m), escaped (bodies that were more than ten scenes' size away from the fixed bodies, or below
@@ -100,7 +100,7 @@ def drift(run):
     steps, rejected = physics.integrator_steps.sum(), physics.rejected_steps.sum()
     return pd.Series(
         {
-            "seconds": (run.meta["steps"] - 1) / run.meta["rate"],
+            "seconds": max(simulated(run) - 1, 0) / run.meta["rate"],
             "status": physics.attrs["status"],
             "energy_first": first,
             "energy_last": known[-1],
@@ -119,9 +119,19 @@ def drift(run):
     )
 
 
+def simulated(run):
+    """How many steps there are before an integration failed."""
+    if run.physics is None or run.physics.attrs["status"] == "complete":
+        return run.meta["steps"]
+    return int(run.physics.energy.notna().cumprod().sum())
+
+
 def escaped(run):
-    """How many moving bodies are at the end lower than everything fixed, or farther from it than ten times its size."""
-    position = run.motion[0][-1]
+    """How many moving bodies are at the end lower than everything fixed, or farther from it than ten times its size.
+
+    The end is the last step before an integration failed.
+    """
+    position = run.motion[0][max(simulated(run) - 1, 0)]
     bodies = run.bodies
     fixed = bodies.fixed.to_numpy()
     size = np.stack(list(bodies["size"]))

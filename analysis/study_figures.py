@@ -521,7 +521,8 @@ def drift_words(run):
         words.append(f"norms of the integrator's quaternions are off 1 by {norm:.2g} at most")
     try:
         count = studies.escaped(run)
-        words.append(f"{count or 'no'} {'body' if count == 1 else 'bodies'} escaped")
+        where = " (ended below everything fixed, or ten times its size away)" if count else ""
+        words.append(f"{count or 'no'} {'body' if count == 1 else 'bodies'} escaped{where}")
     except (KeyError, IndexError, AttributeError, ValueError, TypeError):
         pass  # a file without motion or bodies
     return "; ".join(words)
@@ -536,4 +537,4 @@ def drift_title(table):
     else:
         text = f"The energy goes from {energy.iloc[0]:.3g} to {energy.iloc[-1]:.3g} J"
     depth = table["greatest_penetration"].max() if "greatest_penetration" in table else np.nan
-    return f"{text}; bodies sink into each other by {depth:.2g} m at most" if depth == depth else text
+    return f"{text}; bodies sink into each other by {depth:.2g} m at most" if depth > 0 else text

@@ -253,7 +253,25 @@ def test_energy_is_judged_only_where_nothing_gives_or_takes_it():
 def test_an_integration_that_stopped_says_how_far_it_came():
     run = drifting([10, np.nan, np.nan], dissipation=0.0)
     run.physics.attrs["status"] = "failed at step 1: energy"
-    assert findings.drift(run)[0] == "The integration failed at step 1: energy; 1 of 3 steps were reached."
+    assert findings.drift(run) == ["The integration failed at step 1: energy; 1 of 3 steps were reached."]
+
+
+def test_who_escaped_before_an_integration_stopped_is_counted_and_the_time_is_that_of_the_motion():
+    run = drifting([10, 9, np.nan, np.nan], dissipation=0.1)
+    run.physics.attrs["status"] = "failed at step 2: energy"
+    run.bodies = pd.DataFrame({"first_step": [0, 0], "fixed": [True, False], "size": [np.ones(3), np.ones(3)]})
+    position = np.zeros((4, 2, 3))
+    position[1:, 1, 1], position[2:, 1] = -5.0, np.nan
+    run.motion = position, np.zeros((4, 2, 4))
+    run.physics["greatest_penetration"] = [0.0, 0.25, np.nan, np.nan]
+    for name in ("integrator_steps", "rejected_steps", "force_evaluations", "time_ns"):
+        run.physics[name] = 1
+    told = findings.drift(run)
+    assert "Over 1 s bodies sink into each other by 0.25 m at most, at 1 s." in told
+    assert "1 body escaped (ended below everything fixed, or ten times its size away) over 1 s." in told
+    assert studies.drift(run).seconds == 1 and studies.drift(run).escaped == 1
+    run.physics["greatest_penetration"] = 0.0
+    assert "Over 1 s no body sinks into another." in findings.drift(run)
 
 
 # ---- The page ------------------------------------------------------------------------------------------------------------
