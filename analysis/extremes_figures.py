@@ -142,7 +142,7 @@ def gap_title(table, labels):
         text = f"Beyond rounding of touching {listed(right)} {'is' if len(right) == 1 else 'are'} never wrong"
     else:
         best = away["wrong"].idxmin()
-        text = f"Beyond rounding of touching every algorithm errs; {best} least, in {away['wrong'][best]:.1%} of its cases"
+        text = f"Beyond rounding of touching every algorithm errs; {best} least, in {100 * away['wrong'][best]:.1f} % of its cases"
     return f"{text}; {listed(never)} {'invents' if len(never) == 1 else 'invent'} but never {'misses' if len(never) == 1 else 'miss'}" if never else text
 
 

@@ -79,7 +79,7 @@ def _part(part):
             f'<figure id="{html.escape(part.key)}"><h3>{title}</h3>\n'
             f'<div class="picture{" dense" if dense(part.svg) else ""}" role="img" aria-label="{title}">{part.svg}</div>\n'
             f"<figcaption>{html.escape(part.caption)}</figcaption>\n"
-            f"<details><summary>The numbers ({len(part.table)} rows)</summary>{rows}</details></figure>"
+            f"<details><summary>The numbers ({len(part.table)} row{'s' * (len(part.table) != 1)})</summary>{rows}</details></figure>"
         )
     if isinstance(part, Points):
         items = "".join(f"<li>{html.escape(text)}</li>" for text in part.items)

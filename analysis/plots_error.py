@@ -37,6 +37,11 @@ def number(value):
     return f"{value:.3g}"
 
 
+def counted(count, noun, plural=""):
+    """1 case, 2 cases."""
+    return f"{number(count)} {noun if count == 1 else plural or noun + 's'}"
+
+
 def against(scene, points, cost, key, apart=""):
     """The figure of `points` (some rows of scene.points) over `cost`, a key of COSTS.
 
@@ -98,7 +103,7 @@ def kinds(scene, key):
         else f" The {NAMED} with the smallest error of {len(table)} are drawn, all are below."
     )
     caption = (
-        f"{scene.title}: {len(table)} labels, the smallest error first; {number(met)} pairs truly meet over all"
+        f"{scene.title}: {counted(len(table), 'label')}, the smallest error first; {number(met)} pairs truly meet over all"
         f" steps.{rest}"
     )
     missed = drawn["missed (% of what meets)"] if met else drawn["false negatives"]
@@ -148,7 +153,7 @@ def _caption(scene, points, cost):
     commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
     hits = int(run.truth_hits.sum())
     return (
-        f"{scene.title}: {len(points)} labels, {number(run.meta['steps'])} steps, {len(run.meta['bodies'])} bodies,"
+        f"{scene.title}: {counted(len(points), 'label')}, {counted(run.meta['steps'], 'step')}, {counted(len(run.meta['bodies']), 'body', 'bodies')},"
         f" {number(hits)} pairs truly meet over all steps. Down and to the left is better; the dashed line is the"
         f" Pareto front: nothing below it is cheaper. {what if cost == 'time_mean_ns' else units} Configuration"
         f" {configs}, motion and truth of commit {commits}. " + (machines if cost == "time_mean_ns" else "")

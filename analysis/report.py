@@ -7,7 +7,7 @@ import pandas as pd
 from analysis import extremes_figures, findings, pareto, plots_error, study_figures, thesis_figures
 from analysis.figure import Section, Table, Text
 from analysis.page import page
-from analysis.plots_error import number
+from analysis.plots_error import counted, number
 
 SUMMARY = {  # column of the summary -> its head
     "error": "error",
@@ -100,9 +100,10 @@ def lead(runs, found):
         meta = run.meta
         machine = " on ".join(filter(None, (meta["run"].get("processor"), meta["run"].get("host"))))
         made = f"{meta.get('build_type', '')} build of commit {meta.get('git_commit', '?')[:7]}"
-        what = f"{number(meta['steps'])} steps of {len(meta['bodies'])} bodies, {len(meta['algorithms'])} labels"
+        what = (f"{counted(meta['steps'], 'step')} of {counted(len(meta['bodies']), 'body', 'bodies')},"
+                f" {counted(len(meta['algorithms']), 'label')}")  # fmt: skip
         if is_study(run):
-            what = f"{number(len(run.study))} cases of {run.study['integrator'].nunique()} integrators"
+            what = f"{counted(len(run.study), 'case')} of {counted(run.study['integrator'].nunique(), 'integrator')}"
         title = f"{pareto.title(run)} ({pareto.name(run)}): {what}"
         lines.append(", ".join(filter(None, (title, made, machine, meta["run"].get("date", "")[:10]))))
     return lines
@@ -220,7 +221,7 @@ def summary(runs, found):
             timed = f"Timed on {timed}. Times of different letters do not compare."
         hits = number(int(scene.runs[0].truth_hits.sum()))
         caption = (
-            f"{len(points)} labels; counts are sums over {number(scene.runs[0].meta['steps'])} steps, in which"
+            f"{counted(len(points), 'label')}; counts are sums over {counted(scene.runs[0].meta['steps'], 'step')}, in which"
             f" {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. {timed}"
         )
         parts.append(Table(scene.title, frame, caption))
@@ -230,7 +231,7 @@ def summary(runs, found):
         lines = "\n".join(
             f"{label}: {algorithm}, knobs {text}, operations are {unit}" for label, algorithm, text, unit in knobs
         )
-        parts.append(Text(f"Settings of the {len(points)} labels", lines))
+        parts.append(Text(f"Settings of {counted(len(points), 'label')}", lines))
     return Section("Summary", parts or ["No file has a summary of algorithms."])
 
 

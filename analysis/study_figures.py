@@ -10,7 +10,7 @@ from analysis import pareto, studies, study_tables
 from analysis.drawing import BINS, guarded, listed
 from analysis.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
 from analysis.page import slug
-from analysis.plots_error import number
+from analysis.plots_error import counted, number
 
 # The families have colours, their members markers and lines; the same in every figure.
 INTEGRATORS = {
@@ -89,10 +89,14 @@ def study_parts(run, runs, key):
 
 def unfinished(study):
     lost = study[~study["finished"]]
-    words = [f"{len(rows)} {(FAILED.get(status) or OTHERWISE)[1] if status != 'not run' else 'not run'}"
-             for status, rows in lost.groupby("status", sort=False)]  # fmt: skip
-    text = f"{number(len(study))} cases of {study['integrator'].nunique()} integrators on {study['problem'].nunique()} problems"
-    return f"{text}; {len(lost)} did not finish: {listed(words)}." if words else f"{text}; all finished."
+    text = f"{counted(len(study), 'case')} of {counted(study['integrator'].nunique(), 'integrator')} on {counted(study['problem'].nunique(), 'problem')}"
+    return f"{text}; {len(lost)} did not finish: {causes(lost)}." if len(lost) else f"{text}; all finished."
+
+
+def causes(lost):
+    """Why the cases `lost` did not finish, and how many for each reason."""
+    return listed(f"{'not run' if status == 'not run' else (FAILED.get(status) or OTHERWISE)[1]} ({count})"
+                  for status, count in lost["status"].value_counts().items())  # fmt: skip
 
 
 def look(name):
@@ -111,24 +115,19 @@ def source(run):
 # ---- Work and precision ------------------------------------------------------------------------------------------
 
 
-def controlled(rows):
-    """The cases that a line joins: those by accuracy, or by fixed step of an integrator that takes no accuracy."""
-    by_accuracy = rows[rows["accuracy"].notna()]
-    return (by_accuracy.sort_values("accuracy", ascending=False) if len(by_accuracy)
-            else rows.sort_values("fixed_step", ascending=False))  # fmt: skip
-
-
 def precision_figure(run, cost, key):
     table = study_tables.work_precision(run)
-    title = precision_title(study_tables.cheapest(run, cost), "force evaluations" if cost == "force_evaluations" else "processor time")
+    best = study_tables.cheapest(run, cost)
+    title = precision_title(best, "fewest force evaluations" if cost == "force_evaluations" else "least processor time")
     wanted = table.groupby("problem", sort=False)["error"].count()
-    fig, lost = precision_panels(table, [name for name in wanted.index if wanted[name]], cost,
-                                 "force evaluations" if cost == "force_evaluations" else "processor time (s)", controlled)  # fmt: skip
+    fig, lost, idle = precision_panels(table, [name for name in wanted.index if wanted[name]], cost,
+                                 "force evaluations" if cost == "force_evaluations" else "processor time (s)", study_tables.controlled,
+                                 best[best["apart"]])  # fmt: skip
     bare = [name for name in wanted.index if not wanted[name]]
     caption = (
         f"Error at the end (of position over the problem's length, or of orientation in rad, the greater) against cost. A line joins one "
         f"integrator's accuracies from loose to tight; SemiExplicitEuler takes fixed steps only (dashed). Fixed steps of the others are "
-        f"in the numbers below. A cross at the top is a case that did not finish ({lost}); errors of 0 are drawn at the bottom. "
+        f"in the numbers below, and drawn hollow where they cost least for an error in the title. A cross at the top is a case that did not finish ({lost}{f'; {idle} more ended before their first step' if idle else ''}); errors of 0 are drawn at the bottom. "
         + (f"No case of {listed(bare)} has an error. " if bare else "") + source(run)
     )  # fmt: skip
     return Figure(title, svg_of(fig), caption, table, key)
@@ -145,20 +144,25 @@ def precision_title(best, word):
         who = listed(leaders) if len(leaders) <= 2 else f"{len(leaders)} integrators"
         need = "needs" if len(leaders) == 1 else "each need"
         parts.append(f"{who} {need if not parts else need.replace('needs', 'does').replace('need', 'do')}"
-                     f"{' the least ' + word if not parts else ''} for errors below {threshold:.0e} on {wins.max()} of {len(rows)} problems")  # fmt: skip
+                     f"{' the ' + word if not parts else ''} for errors below {threshold:.0e} on {wins.max()} of {len(rows)} problems")  # fmt: skip
     return "; ".join(parts).replace("e-0", "e-")
 
 
-def precision_panels(table, problems, cost, label, chosen):
-    """Small multiples of error against `cost`, two in a row, with one legend; and how many cases failed."""
+def precision_panels(table, problems, cost, label, chosen, apart=None):
+    """Small multiples of error against `cost`, two in a row, with one legend; how many cases did not finish, and how many
+    not even begin, so that they have no cost.
+
+    apart: rows of study_tables.cheapest that are on no line.
+    """
     rows = max(1, -(-len(problems) // 2))
     fig, axes = figure(rows, 2, height=2.15 * rows + 1.2, squeeze=False)
-    lost, drawn = 0, {}
+    lost, idle, drawn = 0, 0, {}
     for ax, problem in zip(axes.ravel(), problems):
         mine = table[table["problem"] == problem]
         lines = {integrator: chosen(some) for integrator, some in mine.groupby("integrator", sort=False)}
         done = pd.concat([line[(line[cost] > 0) & line["error"].notna()] for line in lines.values()])
-        positive = done["error"][done["error"] > 0]
+        lone = table.iloc[:0] if apart is None else apart[apart["problem"] == problem]
+        positive = pd.concat([done["error"], lone["error"]]).loc[lambda error: error > 0]
         low = max(positive.min() / 3, 1e-17) if len(positive) else 1e-16
         high = min(positive.max() * 8, 1e3) if len(positive) else 1
         for integrator, line in lines.items():
@@ -166,10 +170,14 @@ def precision_panels(table, problems, cost, label, chosen):
             drawn[integrator] = ax.plot(good[cost], good["error"].clip(low * 1.2, high), markersize=4, linewidth=1.1,
                                         label=integrator, **look(integrator))[0]  # fmt: skip
             bad = line[(line["status"] != "finished") & (line[cost] > 0)]
-            lost += int((line["status"] != "finished").sum())
+            lost += len(bad)
+            idle += int((line["status"] != "finished").sum()) - len(bad)
             at = bad[cost].clip(done[cost].min() / 3, done[cost].max() * 3) if len(done) else bad[cost]
             ax.plot(at, np.full(len(bad), 0.93), "x", color=look(integrator)["color"], markersize=6,
                     transform=ax.get_xaxis_transform())  # fmt: skip
+        for row in lone.itertuples():
+            ax.plot([row.cost], [max(row.error, low * 1.2)], markersize=6, markerfacecolor="none", markeredgewidth=1.3,
+                    **look(row.integrator) | {"linestyle": "none"})  # fmt: skip
         ax.set(xscale="log", yscale="log", ylim=(low, high * 4))
         ax.set_title(problem.replace("_", " "), loc="left", fontsize=9.5)
         ax.yaxis.set_major_locator(LogLocator(numticks=6))
@@ -185,7 +193,7 @@ def precision_panels(table, problems, cost, label, chosen):
             last[-1].set_xlabel(label)
     space(fig, bottom=0.23 * -(-len(drawn) // 3) + 0.1)
     fig.legend(drawn.values(), drawn.keys(), loc="lower center", ncols=3, frameon=False, fontsize=9)
-    return fig, lost
+    return fig, lost, idle
 
 
 def space(fig, top=0.0, bottom=0.0):
@@ -200,7 +208,7 @@ def order_figure(run, key):
     problems = [name for name in dict.fromkeys(table["problem"]) if table["error"][table["problem"] == name].notna().any()]
     if not problems:
         return "Error against the step: not drawn, no case with a fixed step has an error."
-    fig, lost = precision_panels(table, problems, "fixed_step", "fixed step (s)", lambda rows: rows.sort_values("fixed_step"))
+    fig, lost, _ = precision_panels(table, problems, "fixed_step", "fixed step (s)", lambda rows: rows.sort_values("fixed_step"))
     off = fits[(fits["order"] - fits["nominal"]).abs() > 0.3]
     if fits.empty:
         title = "No convergence order can be fitted: fewer than three steps are in the asymptotic range"
@@ -211,7 +219,7 @@ def order_figure(run, key):
             title += f"; farthest is {far['integrator']} on {far['sweep'].replace('_', ' ')}, {far['order']:.2f} for {far['nominal']:g}"
     caption = (
         f"Error against the length of fixed steps; a straight line of slope p is an order of p. {lost} cases did not finish (crosses at the top; "
-        f"those of much shorter steps stand at the edge). CPodes takes no fixed steps. {source(run)}"
+        f"those of much shorter or longer steps stand at the edge). CPodes takes no fixed steps. {source(run)}"
     )  # fmt: skip
     return Figure(title, svg_of(fig), caption, table[["problem", "integrator", "fixed_step", "error", "status"]], key)
 
@@ -451,9 +459,17 @@ def extremes_figure(run, key):
     title = f"Of {len(good)} extreme cases {all_of} go well with every integrator and {len(none)} with none (finished, energy within 10 %)"
     caption = (
         f"{len(table)} cases. Cells as in the stability map: energy off its balance, in percent. Cases of one name are the naive form and the adapted ones "
-        f"beside it: units of the problem's own size, or tolerances and steps that fit it. " + source(run)
+        f"beside it: units of the problem's own size, or tolerances and steps that fit it. {own_steps(table)}" + source(run)
     )  # fmt: skip
     return Figure(title, svg_of(fig), caption, table.drop(columns="row"), key)
+
+
+def own_steps(table):
+    """Who takes a fixed step that is longer than a row says, as a sentence; "" when nobody does."""
+    own = table.dropna(subset=["own_step"])
+    words = [f"{name} takes its own step of {listed(f'{step:g}' for step in sorted(mine['own_step'].unique()))} s also where that is above the greatest step of its row. "
+             for name, mine in own.groupby("integrator", sort=False)]  # fmt: skip
+    return "".join(words)
 
 
 def wrapped(text, most=34):

@@ -75,8 +75,9 @@ def work_precision(run):
 def cheapest(run, cost="force_evaluations"):
     """Who reaches a precision most cheaply: per problem and threshold of the error the cheapest case at or below it.
 
-    Columns: problem, threshold, integrator, setting, cost, runner_up (another integrator; "" for none), times (its cost
-    over the cheapest one's). Thresholds that nobody reaches have integrator "".
+    Columns: problem, threshold, integrator, setting, cost, error, apart (it is a fixed step of an integrator that takes
+    accuracies, so not among those that a line of the figure joins), runner_up (another integrator; "" for none), times
+    (its cost over the cheapest one's). Thresholds that nobody reaches have integrator "".
     """
     table, found = work_precision(run), []
     for problem, rows in table.groupby("problem", sort=False):
@@ -85,15 +86,23 @@ def cheapest(run, cost="force_evaluations"):
         for threshold in THRESHOLDS:
             good = rows[(rows["error"] <= threshold) & (rows[cost] > 0)].sort_values(cost, kind="stable")
             if good.empty:
-                found.append((problem, threshold, "", "", np.nan, "", np.nan))
+                found.append((problem, threshold, "", "", np.nan, np.nan, False, "", np.nan))
                 continue
             best = good.iloc[0]
             others = good[good["integrator"] != best["integrator"]]
             second = others.iloc[0] if len(others) else None
-            found.append((problem, threshold, best["integrator"], best["setting"], float(best[cost]),
+            lined = controlled(rows[rows["integrator"] == best["integrator"]])
+            found.append((problem, threshold, best["integrator"], best["setting"], float(best[cost]), best["error"], best.name not in lined.index,
                           "" if second is None else second["integrator"],
                           np.nan if second is None else float(second[cost]) / float(best[cost])))  # fmt: skip
-    return pd.DataFrame(found, columns=["problem", "threshold", "integrator", "setting", "cost", "runner_up", "times"])
+    return pd.DataFrame(found, columns=["problem", "threshold", "integrator", "setting", "cost", "error", "apart", "runner_up", "times"])
+
+
+def controlled(rows):
+    """Of one integrator the cases that a line joins, loose to tight: those by accuracy, or by fixed step when there are none."""
+    by_accuracy = rows[rows["accuracy"].notna()]
+    return (by_accuracy.sort_values("accuracy", ascending=False) if len(by_accuracy)
+            else rows.sort_values("fixed_step", ascending=False))  # fmt: skip
 
 
 def stability(run):
@@ -214,16 +223,17 @@ def extremes_of_motion(run):
     """The cases that are neither a map nor of a work-precision problem.
 
     Columns: sweep, case (what varies in its sweep, as text), integrator, finished, status, reason, error, energy_error,
-    greatest_penetration (m), steps, force_evaluations, preventing_step (s).
+    greatest_penetration (m), steps, force_evaluations, preventing_step (s), own_step (s; NaN: none: the fixed step that a
+    case takes although its greatest step is to be shorter).
     """
     columns = ["sweep", "case", "integrator", "finished", "status", "reason", "error", "energy_error",
-               "greatest_penetration", "steps", "force_evaluations", "preventing_step"]  # fmt: skip
+               "greatest_penetration", "steps", "force_evaluations", "preventing_step", "own_step"]  # fmt: skip
     rest, tables = parts(studies.study(run))[2], []
     for _, rows in rest.groupby("sweep", sort=False):
         names = varied(rows)
         several = rows.groupby("integrator")[CONTROLS].nunique().max().max() > 1
         words = [case_text(row, names, several) for _, row in rows.iterrows()]
-        tables.append(rows.assign(case=words))
+        tables.append(rows.assign(case=words, own_step=rows["fixed_step"].where(rows["fixed_step"] > rows["greatest_step"])))
     return pd.concat(tables, ignore_index=True)[columns] if tables else pd.DataFrame(columns=columns)
 
 
@@ -245,14 +255,15 @@ def tunnelling(run):
     """Cases against a plate: which steps let the ball through, and the greatest that does not.
 
     One row per sweep, stiffness and integrator. Columns: speed (m/s), thickness (m), stiffness (Pa), went_through and stopped
-    (greatest steps of such cases, s, as lists), preventing_step (s; NaN: none was found).
+    (steps of such cases, s, as lists: the fixed one, else the greatest allowed), preventing_step (s; NaN: none was found).
     """
     study = studies.study(run)
     rows = study[study["preventing_step"].notna() | (study["status"] == "tunnelled") | (study["problem"] == "thin_plate")]
     found = []
     keys = ["sweep", "speed", "thickness", "stiffness", "integrator"]
     for key, mine in rows.groupby(keys, sort=False, dropna=False):
-        steps = {word: sorted(mine["greatest_step"][which].dropna(), reverse=True)
+        taken = mine["fixed_step"].fillna(mine["greatest_step"])
+        steps = {word: sorted(taken[which].dropna().unique(), reverse=True)
                  for word, which in (("through", mine["status"] == "tunnelled"), ("stopped", mine["finished"]))}  # fmt: skip
         found.append((*key, steps["through"], steps["stopped"], mine["preventing_step"].max()))
     return pd.DataFrame(found, columns=[*keys, "went_through", "stopped", "preventing_step"])
