@@ -6,12 +6,11 @@ from matplotlib.patches import Patch
 
 from analysis import extremes, pareto
 from analysis.drawing import guarded, listed, shortened
-from analysis.figure import PALETTE, Figure, Section, Table, figure, svg_of
+from analysis.figure import INVENTED, MISSED, Figure, Section, Table, figure, svg_of
 from analysis.page import slug
 from analysis.plots_error import number
 from analysis.study_figures import draw_map, heads_of, source, space
 
-MISSED, INVENTED = PALETTE["blue"], PALETTE["vermilion"]
 SHADE = "#F1ECDD"  # of the classes within rounding of touching
 # Share of wrong answers -> colour of its cell; from good to bad also from light to dark.
 STEPS = [(0, "#FFFFFF"), (0.01, "#E3EEF6"), (0.1, "#BBD7EA"), (0.3, "#F9DDA4"), (0.6, "#F0B35A"), (1, "#D9822B")]
@@ -109,7 +108,7 @@ def gap_figure(run, key):
     apart = int(table["cases"][close].sum() / max(1, len(labels)))
     hidden = int(table["cases"][close & ~table["gap_class"].str.endswith(" ulp")].sum() / max(1, len(labels)))
     caption = (
-        f"Share of wrong answers among {number(everything)} cases of each algorithm; a full row's height is 100 %, any error has a visible foot. Shaded: within "
+        f"Share of wrong answers among {number(everything)} cases of each algorithm; a full row's height is 100 %, any error has a visible foot; cases in which it failed are left out. Shaded: within "
         f"1000 ulps of touching, {number(apart)} cases, counted apart; {number(hidden)} of them are decades so small that they are within 1000 ulps at their offset, and "
         f"are not in the bars. Deep inside, a body may lie wholly in the other or beyond it: no surfaces meet there, and a hit is invented. A cross: the algorithm failed in all cases of the class. {source(run)}"
     )  # fmt: skip
@@ -138,6 +137,8 @@ def gap_title(table, labels):
         return "All cases are within 1000 ulps of touching"
     right = [label for label in labels if label in away.index and away["wrong"][label] == 0]
     never = [label for label in labels if label in away.index and away["missed"][label] == 0 and label not in right]
+    if away["wrong"].isna().all():
+        return f"{listed(away.index)} {'fails' if len(away) == 1 else 'fail'} in all cases beyond rounding of touching"
     if right:
         text = f"Beyond rounding of touching {listed(right)} {'is' if len(right) == 1 else 'are'} never wrong"
     else:
@@ -170,16 +171,15 @@ def by_figure(run, word, unit, make, key):
         share = row.error
         colour = FAILED if np.isnan(share) else next(c for bound, c in STEPS if share <= bound + 1e-12)
         text = share_text(share) + ("*" if row.failed and not np.isnan(share) else "")
-        at = (shortened(row.algorithm), value) if unit else (heads[value], shortened(row.algorithm))
-        cells[at] = (text, colour)
+        cells[(row.algorithm, value) if unit else (value, row.algorithm)] = (text, colour)
     short = [shortened(label) for label in labels]
     if unit:
         fig, ax = figure(height=0.3 * len(labels) + 0.8)
-        draw_map(ax, cells, short, values, [heads[value] for value in values])
+        draw_map(ax, cells, labels, values, list(heads.values()), short)
         ax.set_xlabel(f"{word} ({unit})")
     else:
         fig, ax = figure(height=0.26 * len(values) + 1.9)
-        draw_map(ax, cells, list(heads.values()), short, short)
+        draw_map(ax, cells, values, labels, short, list(heads.values()))
         ax.tick_params(axis="x", rotation=90)
     caption = (
         f"Error (FP + FN) / (TP + FP + FN) in percent, over the {number(int(away['cases'].sum() / max(1, len(labels))))} cases of each algorithm that are not within 1000 ulps of "

@@ -200,10 +200,11 @@ def answers(run):
             continue
         right = list(said.index[said["wrong"] == 0])
         if right:
-            found.append(f"{listed(right)} {'is' if len(right) == 1 else 'are'} never wrong in {number(int(mine['cases'].max()))} cases {where}.")
+            names = [f"{name}{judged(said.loc[name])}" for name in right]
+            found.append(f"{listed(names)} {'is' if len(right) == 1 else 'are'} never wrong in {counted(int(mine['cases'].max()), 'case')} {where}.")
         wrong = said[said["wrong"] > 0].sort_values("wrong", kind="stable")
         if len(wrong):
-            each = [f"{name} {100 * row['wrong']:.2f} % ({number(int(row['missed']))} missed, {number(int(row['invented']))} invented)" for name, row in wrong.iterrows()]
+            each = [f"{name} {100 * row['wrong']:.2f} %{judged(row)} ({number(int(row['missed']))} missed, {number(int(row['invented']))} invented)" for name, row in wrong.iterrows()]
             found.append(f"Wrong {where}: {'; '.join(each)}.")
     shaky = extremes.instability(run)
     total = shaky.groupby("algorithm", observed=True)[["cases", "swapped", "moved", "failed"]].sum()
@@ -212,8 +213,8 @@ def answers(run):
         if len(who):
             each = [f"{name} {number(int(row[column]))} of {number(int(row['cases']))}" for name, row in who.iterrows()]
             found.append(f"Answers that change {what}: {'; '.join(each)}.")
-        else:
-            found.append(f"No answer changes {what}, of {len(total)} algorithms.")
+        elif (total["cases"] > 0).any():
+            found.append(f"No answer changes {what}, of {counted(int((total['cases'] > 0).sum()), 'algorithm')}.")
     first = shaky.groupby("algorithm", observed=True)["failure"].first()
     for name, row in total[total["failed"] > 0].iterrows():
         cases = int(row["cases"] + row["failed"])
@@ -221,6 +222,11 @@ def answers(run):
     if not (total["failed"] > 0).any():
         found.append("No algorithm refuses a pair or throws.")
     return found
+
+
+def judged(row):
+    """Of how many cases alone a share is, where an algorithm failed in the others."""
+    return f" of the {number(int(row['cases'] - row['failed']))} it answers" if row["failed"] else ""
 
 
 def drift(run):

@@ -6,7 +6,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from analysis import labels, pareto
-from analysis.figure import Figure, figure, style, svg_of
+from analysis.figure import INVENTED, MISSED, Figure, figure, style, svg_of
 
 NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
 HEIGHT = 4.7  # inches, without the legend
@@ -111,8 +111,8 @@ def kinds(scene, key):
     fig, (left, right) = figure(1, 2, height=0.75 + 0.2 * max(len(drawn), 3), sharey=True)
     rows = np.arange(len(drawn))[::-1]
     for axes, values, colour, words in (
-        (left, missed, "#D55E00", "missed, % of what meets" if met else "missed"),
-        (right, invented, "#0072B2", "invented per pair that meets" if met else "invented"),
+        (left, missed, MISSED, "missed, % of what meets" if met else "missed"),
+        (right, invented, INVENTED, "invented per pair that meets" if met else "invented"),
     ):
         axes.barh(rows, values, color=colour, height=0.72)
         axes.set_xlabel(words)

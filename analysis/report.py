@@ -143,6 +143,13 @@ def warnings(runs, found):
             lines.append(f"{name}: has no truth to judge answers by.")
         elif run.truth_hits.sum() == 0:
             lines.append(f"{name}: no two bodies ever meet; whatever is reported is false, and recall says nothing.")
+        if is_extremes(run):
+            lost = run.extremes.groupby("algorithm", observed=True)["failed"].sum()
+            lines += [
+                f"{name}: {label} failed in {number(int(count))} of {number(meta['steps'])} cases; the summary, and errors"
+                " against time and operations, count them as reporting nothing."
+                for label, count in lost[lost > 0].items()
+            ]
         if "promise_kept" in run.summary:
             broken = list(run.summary.index[~run.summary.promise_kept])
             if broken:

@@ -287,8 +287,8 @@ def cell(row):
     return percent(row["energy_error"]), next(colour for bound, colour, _ in CLASSES if error <= bound)
 
 
-def draw_map(ax, cells, rows, columns, heads):
-    """cells: (row, column) -> (text, colour); without one: not run."""
+def draw_map(ax, cells, rows, columns, heads, names=None):
+    """cells: (row, column) -> (text, colour); without one: not run. heads, names: what stands beside columns and rows."""
     ax.grid(False)
     picture = np.ones((len(rows), len(columns), 3))
     for i, row in enumerate(rows):
@@ -299,7 +299,7 @@ def draw_map(ax, cells, rows, columns, heads):
                     fontweight="bold" if colour == DARK else "normal")  # fmt: skip
     ax.imshow(picture, aspect="auto", interpolation="nearest")
     ax.set_xticks(range(len(columns)), heads)
-    ax.set_yticks(range(len(rows)), rows)
+    ax.set_yticks(range(len(rows)), names or rows)
     ax.set_xticks(np.arange(len(columns) - 1) + 0.5, minor=True)
     ax.set_yticks(np.arange(len(rows) - 1) + 0.5, minor=True)
     ax.grid(which="minor", color="#FFFFFF", linewidth=1.2)

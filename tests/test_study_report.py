@@ -1,13 +1,16 @@
 """The report on studies: findings say what hand-made tables say, and change with them; nothing a file lacks stops it."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.colors import to_hex
+from matplotlib.patches import Rectangle
 
-from analysis import extremes_figures, findings, report, studies, study_figures, study_tables
-from analysis.figure import Figure, Table
+from analysis import extremes, extremes_figures, findings, plots_error, report, studies, study_figures, study_tables
+from analysis.figure import PALETTE, Figure, Table
 
 MERSON, EULER = "RungeKuttaMerson", "ExplicitEuler"
 
@@ -262,6 +265,51 @@ def test_what_is_missed_and_invented_far_from_touching_changes_the_finding():
     assert "Wrong farther than 1000 ulps from touching: two 50.00 % (1 missed, 0 invented)." in findings.answers(missing)
     inventing = answered(lambda label, name, meets: True)
     assert "one and two invent but never miss" in extremes_figures.gap_figure(inventing, "key").title
+
+
+def test_missed_and_invented_have_one_colour_each_in_all_figures(monkeypatch):
+    def bars(module, draw):
+        drawn = []
+        monkeypatch.setattr(module, "svg_of", lambda fig, titles=None: drawn.append(fig) or "")
+        draw()
+        found = [bar for ax in drawn[0].axes for bar in ax.patches if isinstance(bar, Rectangle)]
+        return {to_hex(bar.get_facecolor()).upper() for bar in found if bar.get_height() * bar.get_width() > 0}
+
+    points = pd.DataFrame({"label": ["a"], "error": [0.6], "time_mean_ns": [1.0], "hits": [3], "false_negative": [3], "false_positive": [3]})
+    for missed, invented in ((1, 0), (0, 1)):
+        wrong = answered(lambda label, name, meets: meets and not missed or bool(invented))
+        kinds = points.assign(false_negative=3 * missed, false_positive=3 * invented)
+        scene_ = SimpleNamespace(points=kinds, title="t", runs=[made(truth_hits=np.array([6]))])
+        colour = PALETTE["vermilion" if missed else "blue"]  # as false negatives and false positives in the viewer
+        assert bars(extremes_figures, lambda: extremes_figures.gap_figure(wrong, "key")) == {colour}
+        assert bars(plots_error, lambda: plots_error.kinds(scene_, "key")) == {colour}
+
+
+def test_labels_that_look_alike_when_shortened_keep_their_own_numbers():
+    run = answered(lambda label, name, meets: meets if label == "one" else not meets)
+    names = {"one": "facet_triangles_stride_5_densified", "two": "facet_triangles_stride_9_densified"}
+    run.extremes["algorithm"] = run.extremes["algorithm"].cat.rename_categories(names)
+    run.meta["algorithms"] = list(names.values())
+    for word, unit, make in (("scale", "m", extremes.error_by_scale), ("shape", "", extremes.error_by_shape)):
+        cells = re.findall(r">(0|100)</text>", extremes_figures.by_figure(run, word, unit, make, "key").svg)
+        assert sorted(cells) == ["0", "100"]
+
+
+def test_extremes_of_which_no_case_is_answered_are_drawn_and_said():
+    run = answered(failed=["one", "two"])
+    assert extremes_figures.gap_figure(run, "key").title == "one and two fail in all cases beyond rounding of touching"
+    told = findings.answers(run)
+    assert not any("never wrong" in text or "changes" in text for text in told)
+    assert "two fails in 5 of 5 cases; first: too dense." in told
+
+
+def test_what_failed_is_left_out_of_shares_and_it_is_said():
+    run = answered(lambda label, name, meets: label == "two")
+    run.extremes.loc[(run.extremes["algorithm"] == "two") & (run.extremes["gap_class"] == "-1e-3"), "failed"] = True
+    assert "two 100.00 % of the 1 it answers (0 missed, 1 invented)" in "\n".join(findings.answers(run))
+    lines = report.warnings([run], [])
+    assert "made: two failed in 1 of 5 cases; the summary, and errors against time and operations, count them as reporting nothing." in lines
+    assert not any("one failed" in line for line in lines)
 
 
 def test_answers_that_change_and_algorithms_that_fail_are_named():
