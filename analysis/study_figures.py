@@ -263,9 +263,17 @@ def order_text(fit):
 # ---- Maps ----------------------------------------------------------------------------------------------------------
 
 
+def shade(share):
+    """The colour of a share of energy."""
+    return next(colour for bound, colour, _ in CLASSES if abs(share) <= bound)
+
+
 def percent(value):
-    """A signed share in few characters: 0.0123 -> "+1.2", 12.5 -> "+1e3"; in percent."""
-    value = 100 * value
+    """A signed share in few characters: 0.0123 -> "+1.2", 12.5 -> "+1e3"; in percent.
+
+    As many decimals as tell on which side of its colour's bound it is: 0.0102 -> "+1.02".
+    """
+    share, value = value, 100 * value
     if not np.isfinite(value):
         return "–" if np.isnan(value) else "∞"
     if abs(value) < 0.05:
@@ -274,7 +282,8 @@ def percent(value):
     if abs(value) >= 999.5:
         exponent = int(np.floor(np.log10(abs(value))))
         return f"{sign}{abs(value) / 10**exponent:.0f}e{exponent}" if abs(value) / 10**exponent < 9.5 else f"{sign}1e{exponent + 1}"
-    return f"{sign}{abs(value):.1f}" if abs(value) < 9.95 else f"{sign}{abs(value):.0f}"
+    texts = [f"{abs(value):.{decimals}f}" for decimals in range(int(abs(value) < 9.95), 4)]
+    return sign + next((text for text in texts if shade(float(text) / 100) == shade(share)), texts[0])
 
 
 def cell(row):
@@ -284,7 +293,7 @@ def cell(row):
     error = abs(row["energy_error"])
     if np.isnan(error):
         return "–", "#FFFFFF"
-    return percent(row["energy_error"]), next(colour for bound, colour, _ in CLASSES if error <= bound)
+    return percent(row["energy_error"]), shade(error)
 
 
 def draw_map(ax, cells, rows, columns, heads, names=None):
@@ -347,7 +356,7 @@ def map_figure(run, name, key):
     map_legend(fig, table["status"][~table["finished"]])
     caption = (
         f"{table['problem'].iloc[0].replace('_', ' ')} ({name}); {len(table)} cases of {len(rows)} integrators at {listed(dict.fromkeys(table['setting']))}. A "
-        f"cell says by how many percent of the problem's energy the balance is off at its worst: + is energy from nowhere. A letter on dark: why "
+        f"cell says by how many percent of the problem's energy the balance is off at its worst: + is energy from nowhere, 0 is less than 0.05. A letter on dark: why "
         f"the case did not finish. An empty cell was not run. {source(run)}"
     )  # fmt: skip
     return Figure(map_title(table), svg_of(fig), caption, table.drop(columns=["who", "sweep"]), key)

@@ -170,7 +170,7 @@ def test_a_failure_is_a_letter_in_the_map_and_a_row_of_its_numbers():
     assert "ExplicitEuler does not finish everywhere" in figure.title
 
 
-@pytest.mark.parametrize("value, text", [(0, "0"), (4e-4, "0"), (-0.0123, "−1.2"), (0.126, "+13"), (12.5, "+1e3"), (np.inf, "∞"), (np.nan, "–")])
+@pytest.mark.parametrize("value, text", [(0, "0"), (4e-4, "0"), (-0.0123, "−1.2"), (0.126, "+13"), (12.5, "+1e3"), (0.0098, "+1.0"), (-0.0104, "−1.04"), (0.1002, "+10.02"), (0.0997, "+10"), (1.004, "+100.4"), (np.inf, "∞"), (np.nan, "–")])
 def test_shares_of_energy_are_shown_in_percent_and_few_characters(value, text):
     assert study_figures.percent(value) == text
 
