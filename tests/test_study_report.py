@@ -267,6 +267,28 @@ def test_what_is_missed_and_invented_far_from_touching_changes_the_finding():
     assert "one and two invent but never miss" in extremes_figures.gap_figure(inventing, "key").title
 
 
+def test_offsets_are_compared_by_cases_that_are_alike_in_everything_else():
+    """Far offsets have no small scales: what errs at great scales alone seemed to err by the offset."""
+    run = answered(lambda label, name, meets: meets)
+    parts = []
+    for offset, scale in ((0.0, 1.0), (0.0, 1e-9), (1e9, 1.0)):
+        wrong = (run.extremes["algorithm"] == "two") & (scale == 1.0)
+        parts.append(run.extremes.assign(offset=offset, scale=scale, reported=run.extremes["truth"] ^ wrong))
+    run.extremes = pd.concat(parts, ignore_index=True)
+
+    def drawn(word, make):
+        return extremes_figures.by_figure(run, word, "m", make, "key")
+
+    figure = drawn("offset", extremes.error_by_offset)
+    assert figure.title == "The offset hardly matters: no algorithm's error differs by more than 0 over it"
+    assert "over the 4 cases of each algorithm" in figure.caption and set(figure.table["cases"]) == {2, 3}
+    assert set(extremes.error_by_offset(run).loc["two", False]["error"]) == {2 / 3, 1.0}  # of all cases it seems to: FP, FN and a TP at 0
+    figure = drawn("scale", extremes.error_by_scale)
+    assert figure.title.startswith("two depends most on the scale: error 0 at scale 1e-9 m, 1 at scale 1 m")
+    run.extremes = pd.concat(parts[1:], ignore_index=True)
+    assert drawn("offset", extremes.error_by_offset).title == "No case is there at every offset, so errors by offset do not compare"
+
+
 def test_missed_and_invented_have_one_colour_each_in_all_figures(monkeypatch):
     def bars(module, draw):
         drawn = []
