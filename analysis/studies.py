@@ -94,9 +94,10 @@ def drift(run):
     if physics is None:
         raise ValueError(f"{run.path}: nothing was integrated")
     energy = physics.energy.to_numpy()
-    known = energy[np.isfinite(energy)]
     # What is there from the start: a scene that begins empty is measured from its first energy.
-    first = known[np.flatnonzero(known)[0]] if known.any() else np.nan
+    known = energy[np.isfinite(energy)]
+    known = known[np.flatnonzero(known)[0] :] if known.any() else np.array([np.nan])
+    first = known[0]
     steps, rejected = physics.integrator_steps.sum(), physics.rejected_steps.sum()
     return pd.Series(
         {
@@ -106,10 +107,10 @@ def drift(run):
             "energy_last": known[-1],
             "energy_last_relative": known[-1] / first - 1,
             "energy_rise": known.max() / first - 1,
-            "energy_fall": 1 - known[np.flatnonzero(known)[0]:].min() / first,
+            "energy_fall": 1 - known.min() / first,
             "quaternion_drift": physics.attrs.get("quaternion_drift", np.nan),
-            "penetration_median": physics.greatest_penetration.median(),
-            "penetration_greatest": physics.greatest_penetration.max(),
+            "penetration_median": physics["greatest_penetration"].median(),
+            "penetration_greatest": physics["greatest_penetration"].max(),
             "escaped": escaped(run),
             "steps": steps,
             "rejected": rejected / max(steps + rejected, 1),

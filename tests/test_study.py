@@ -164,6 +164,15 @@ def test_a_damaged_study_is_refused(result, tmp_path):
     assert run.returncode == FILE and "damaged" in one_line(run)
 
 
+def test_a_study_that_lacks_a_column_is_one_line_with_its_place(result, tmp_path):
+    copy = tmp_path / "x.h5"
+    copy.write_bytes(result.read_bytes())
+    with h5py.File(copy, "r+") as file:
+        del file["study/energy_error"]
+    run = analysis("study", copy)
+    assert run.returncode == FILE and one_line(run).startswith(f"{copy}: is damaged") and "energy_error" in run.stderr
+
+
 # ---- what the analysis makes of it
 
 

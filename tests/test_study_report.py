@@ -385,6 +385,10 @@ def test_who_escaped_before_an_integration_stopped_is_counted_and_the_time_is_th
     assert "Over 1 s bodies sink into each other by 0.25 m at most, at 1 s." in told
     assert "1 body escaped (ended below everything fixed, or ten times its size away) over 1 s." in told
     assert studies.drift(run).seconds == 1 and studies.drift(run).escaped == 1
+    for nothing in (0.0, np.nan):  # nothing is there yet, or the integration failed at once
+        run.physics["energy"] = nothing
+        assert np.isnan(studies.drift(run).energy_first) and np.isnan(studies.drift(run).energy_fall)
+    run.physics["energy"] = [10, 9, np.nan, np.nan]
     run.physics["greatest_penetration"] = 0.0
     assert "Over 1 s no body sinks into another." in findings.drift(run)
 
