@@ -37,7 +37,7 @@ def error_by_offset(run, like=False):
 
 
 def error_by_scale(run, like=False):
-    """Error by scale (m). Rows: algorithm, near_touching, scale. Columns as error_by_gap, without gap. like: as there."""
+    """Error by scale (m). Rows: algorithm, near_touching, scale. Columns and `like` as error_by_offset."""
     return counted(alike(answered(run), "scale") if like else answered(run), "scale")
 
 
@@ -69,8 +69,8 @@ def instability(run):
 
 
 def alike(cases, key):
-    """Those of `cases` whose pair, class of gap, offset and scale, as far as they are not `key`, are there at every value
-    of `key`: what differs between its values is then its doing. None where nothing is there at all of them."""
+    """Those of `cases` whose pair, class of gap, offset and scale, as far as they are not `key`, are there at every
+    value of `key`: what differs between its values is then its doing. None where nothing is there at all of them."""
     others = [name for name in ("pair", "gap_class", "offset", "scale", "near_touching") if name != key]
     return cases[cases.groupby(others, observed=True)[key].transform("nunique") == cases[key].nunique()]
 

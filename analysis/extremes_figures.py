@@ -11,8 +11,8 @@ from analysis.page import slug
 from analysis.plots_error import number
 from analysis.study_figures import draw_map, heads_of, source, space
 
-# An error that differs by less over a thing may do so by chance: in configs/extremes.toml errors of one half of the random
-# orientations of an offset differ by up to 0.053 from those of the other.
+# An error that differs by less over a thing may do so by chance: in configs/extremes.toml errors of one half of the
+# random orientations of an offset differ by up to 0.053 from those of the other.
 MATTERS = 0.1
 SHADE = "#F1ECDD"  # of the classes within rounding of touching
 # Share of wrong answers -> colour of its cell; from good to bad also from light to dark.
@@ -45,8 +45,7 @@ def gap_shares(run):
     """
     table = extremes.error_by_gap(run).reset_index()
     said = (table["cases"] - table["failed"]).where(lambda n: n > 0)
-    return table.assign(missed=table["false_negative"] / said, invented=table["false_positive"] / said,
-                        wrong=(table["false_negative"] + table["false_positive"]) / said)  # fmt: skip
+    return table.assign(missed=table["false_negative"] / said, invented=table["false_positive"] / said)
 
 
 def gap_classes(table):
@@ -194,12 +193,14 @@ def by_figure(run, word, unit, make, key):
         f"touching{like_text(word) if like else ''}; those within are in the numbers below. F: failed in all cases; *: failed in some, which are not counted. {source(run)}"
     )  # fmt: skip
     told = like or not unit or len(values) == 1
-    title = by_title(away, name, word, unit, heads) if told else f"No case is there at every {word}, so errors by {word} do not compare"
+    title = (by_title(away, name, word, unit, heads) if told
+             else f"No case is there at every {word}, so errors by {word} do not compare")  # fmt: skip
     return Figure(title, svg_of(fig), caption, table, key)
 
 
 def like_text(word):
-    return f" and whose pair, gap and {'scale' if word == 'offset' else 'offset'} are there at every {word}, so that they compare"
+    other = "scale" if word == "offset" else "offset"
+    return f" and whose pair, gap and {other} are there at every {word}, so that they compare"
 
 
 def by_title(away, name, word, unit, heads):

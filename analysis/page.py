@@ -74,12 +74,13 @@ def _section(key, section):
 def _part(part):
     if isinstance(part, Figure):
         title = html.escape(part.title.removesuffix("."))
-        rows = table(part.table, part.title)
+        rows, count = table(part.table, part.title), len(part.table)
+        kind = "picture dense" if dense(part.svg) else "picture"
         return (
             f'<figure id="{html.escape(part.key)}"><h3>{title}</h3>\n'
-            f'<div class="picture{" dense" if dense(part.svg) else ""}" role="img" aria-label="{title}">{part.svg}</div>\n'
+            f'<div class="{kind}" role="img" aria-label="{title}">{part.svg}</div>\n'
             f"<figcaption>{html.escape(part.caption)}</figcaption>\n"
-            f"<details><summary>The numbers ({len(part.table)} row{'s' * (len(part.table) != 1)})</summary>{rows}</details></figure>"
+            f"<details><summary>The numbers ({count} row{'s' * (count != 1)})</summary>{rows}</details></figure>"
         )
     if isinstance(part, Points):
         items = "".join(f"<li>{html.escape(text)}</li>" for text in part.items)

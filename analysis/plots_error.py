@@ -103,8 +103,8 @@ def kinds(scene, key):
         else f" The {NAMED} with the smallest error of {len(table)} are drawn, all are below."
     )
     caption = (
-        f"{scene.title}: {counted(len(table), 'label')}, the smallest error first; {number(met)} pairs truly meet over all"
-        f" steps.{rest}"
+        f"{scene.title}: {counted(len(table), 'label')}, the smallest error first; {number(met)} pairs truly meet over"
+        f" all steps.{rest}"
     )
     missed = drawn["missed (% of what meets)"] if met else drawn["false negatives"]
     invented = drawn["invented (per pair that meets)"] if met else drawn["false positives"]
@@ -153,7 +153,8 @@ def _caption(scene, points, cost):
     commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
     hits = int(run.truth_hits.sum())
     return (
-        f"{scene.title}: {counted(len(points), 'label')}, {counted(run.meta['steps'], 'step')}, {counted(len(run.meta['bodies']), 'body', 'bodies')},"
+        f"{scene.title}: {counted(len(points), 'label')}, {counted(run.meta['steps'], 'step')},"
+        f" {counted(len(run.meta['bodies']), 'body', 'bodies')},"
         f" {number(hits)} pairs truly meet over all steps. Down and to the left is better; the dashed line is the"
         f" Pareto front: nothing below it is cheaper. {what if cost == 'time_mean_ns' else units} Configuration"
         f" {configs}, motion and truth of commit {commits}. " + (machines if cost == "time_mean_ns" else "")

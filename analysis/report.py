@@ -146,8 +146,8 @@ def warnings(runs, found):
         if is_extremes(run):
             lost = run.extremes.groupby("algorithm", observed=True)["failed"].sum()
             lines += [
-                f"{name}: {label} failed in {number(int(count))} of {number(meta['steps'])} cases; the summary, and errors"
-                " against time and operations, count them as reporting nothing."
+                f"{name}: {label} failed in {number(int(count))} of {number(meta['steps'])} cases; the summary, and"
+                " errors against time and operations, count them as reporting nothing."
                 for label, count in lost[lost > 0].items()
             ]
         if "promise_kept" in run.summary:
@@ -228,8 +228,8 @@ def summary(runs, found):
             timed = f"Timed on {timed}. Times of different letters do not compare."
         hits = number(int(scene.runs[0].truth_hits.sum()))
         caption = (
-            f"{counted(len(points), 'label')}; counts are sums over {counted(scene.runs[0].meta['steps'], 'step')}, in which"
-            f" {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. {timed}"
+            f"{counted(len(points), 'label')}; counts are sums over {counted(scene.runs[0].meta['steps'], 'step')}, in"
+            f" which {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. {timed}"
         )
         parts.append(Table(scene.title, frame, caption))
         knobs = [

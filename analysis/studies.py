@@ -22,9 +22,9 @@ PARAMETERS = [
 def orders(run):
     """The order of convergence of every sweep and integrator, once by fixed steps and once by accuracies.
 
-    Of sweeps that vary nothing else. Rows: sweep, integrator, by ("fixed_step" or "accuracy"). Columns: points (fitted), order (the slope of the error's
-    logarithm over that of the step, by accuracies of the mean step), spread (standard error of the slope), nominal (by
-    Simbody's documentation; NaN where it varies). NaN where fewer than three points are in the asymptotic range: errors
+    Of sweeps that vary nothing else. Rows: sweep, integrator, by ("fixed_step" or "accuracy"). Columns: points (fitted),
+    order (the slope of the error's logarithm over that of the step, by accuracies of the mean step), spread (standard
+    error of the slope), nominal (by Simbody's documentation; NaN where it varies). NaN where fewer than three points are in the asymptotic range: errors
     from 0.1 down to 1e-11 that fall from each step to the next shorter, of them the finest four. Where a body enters a
     contact within a step even the high orders fall to 2 to 3: the force has no second derivative there.
     """
@@ -84,8 +84,9 @@ def geometric(values):
 def drift(run):
     """What a long integration lost or gained: a Series.
 
-    seconds (simulated before it failed, if it did), status; energy_first, energy_last (J), energy_rise and energy_fall (greatest rise above and fall
-    below the first energy, of it; of a run with births or pushes they say what came in), energy_last_relative;
+    seconds (simulated before it failed, if it did), status; energy_first, energy_last (J), energy_rise and energy_fall
+    (greatest rise above and fall below the first energy, of it; of a run with births or pushes they say what came in),
+    energy_last_relative;
     quaternion_drift (greatest deviation of a norm from 1 in the integrator, NaN: not recorded), penetration_median,
     penetration_greatest (m), escaped (bodies that were more than ten scenes' size away from the fixed bodies, or below
     them by one, at the end); steps, rejected (share), evaluations, processor_time (s).

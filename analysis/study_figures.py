@@ -89,7 +89,8 @@ def study_parts(run, runs, key):
 
 def unfinished(study):
     lost = study[~study["finished"]]
-    text = f"{counted(len(study), 'case')} of {counted(study['integrator'].nunique(), 'integrator')} on {counted(study['problem'].nunique(), 'problem')}"
+    who, where = (counted(study[name].nunique(), name) for name in ("integrator", "problem"))
+    text = f"{counted(len(study), 'case')} of {who} on {where}"
     return f"{text}; {len(lost)} did not finish: {causes(lost)}." if len(lost) else f"{text}; all finished."
 
 
@@ -149,8 +150,8 @@ def precision_title(best, word):
 
 
 def precision_panels(table, problems, cost, label, chosen, apart=None):
-    """Small multiples of error against `cost`, two in a row, with one legend; how many cases did not finish, and how many
-    not even begin, so that they have no cost.
+    """Small multiples of error against `cost`, two in a row, with one legend; how many cases did not finish, and how
+    many did not even begin, so that they have no cost.
 
     apart: rows of study_tables.cheapest that are on no line.
     """
@@ -475,9 +476,10 @@ def extremes_figure(run, key):
 
 def own_steps(table):
     """Who takes a fixed step that is longer than a row says, as a sentence; "" when nobody does."""
-    own = table.dropna(subset=["own_step"])
-    words = [f"{name} takes its own step of {listed(f'{step:g}' for step in sorted(mine['own_step'].unique()))} s also where that is above the greatest step of its row. "
-             for name, mine in own.groupby("integrator", sort=False)]  # fmt: skip
+    words = []
+    for name, mine in table.dropna(subset=["own_step"]).groupby("integrator", sort=False):
+        steps = listed(f"{step:g}" for step in sorted(mine["own_step"].unique()))
+        words.append(f"{name} takes its own step of {steps} s also where that is above the greatest step of its row. ")
     return "".join(words)
 
 

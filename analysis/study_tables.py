@@ -92,14 +92,15 @@ def cheapest(run, cost="force_evaluations"):
             others = good[good["integrator"] != best["integrator"]]
             second = others.iloc[0] if len(others) else None
             lined = controlled(rows[rows["integrator"] == best["integrator"]])
-            found.append((problem, threshold, best["integrator"], best["setting"], float(best[cost]), best["error"], best.name not in lined.index,
-                          "" if second is None else second["integrator"],
+            found.append((problem, threshold, best["integrator"], best["setting"], float(best[cost]), best["error"],
+                          best.name not in lined.index, "" if second is None else second["integrator"],
                           np.nan if second is None else float(second[cost]) / float(best[cost])))  # fmt: skip
-    return pd.DataFrame(found, columns=["problem", "threshold", "integrator", "setting", "cost", "error", "apart", "runner_up", "times"])
+    names = ["problem", "threshold", "integrator", "setting", "cost", "error", "apart", "runner_up", "times"]
+    return pd.DataFrame(found, columns=names)
 
 
 def controlled(rows):
-    """Of one integrator the cases that a line joins, loose to tight: those by accuracy, or by fixed step when there are none."""
+    """Of one integrator the cases that a line joins, loose to tight: by accuracy, or by fixed step without any such."""
     by_accuracy = rows[rows["accuracy"].notna()]
     return (by_accuracy.sort_values("accuracy", ascending=False) if len(by_accuracy)
             else rows.sort_values("fixed_step", ascending=False))  # fmt: skip
@@ -233,7 +234,8 @@ def extremes_of_motion(run):
         names = varied(rows)
         several = rows.groupby("integrator")[CONTROLS].nunique().max().max() > 1
         words = [case_text(row, names, several) for _, row in rows.iterrows()]
-        tables.append(rows.assign(case=words, own_step=rows["fixed_step"].where(rows["fixed_step"] > rows["greatest_step"])))
+        own = rows["fixed_step"].where(rows["fixed_step"] > rows["greatest_step"])
+        tables.append(rows.assign(case=words, own_step=own))
     return pd.concat(tables, ignore_index=True)[columns] if tables else pd.DataFrame(columns=columns)
 
 
@@ -309,7 +311,8 @@ def text(run):
     """All that a study or a long integrated motion says, as lines for a terminal."""
     if run.study is None:
         found = studies.drift(run)
-        return "\n".join(f"{name:<21} {value:.6g}" if isinstance(value, float) else f"{name:<21} {value}" for name, value in found.items())
+        words = {name: f"{value:.6g}" if isinstance(value, float) else value for name, value in found.items()}
+        return "\n".join(f"{name:<21} {value}" for name, value in words.items())
     study = studies.study(run)
     ends = ", ".join(f"{count} {status}" for status, count in study["status"].value_counts().items())
     found = [f"{len(study)} cases of {study['integrator'].nunique()} integrators" + (f": {ends}" if ends else "")]
@@ -318,9 +321,11 @@ def text(run):
         found.append("orders\n" + fitted.round(2).to_string())
     cases = stability(run)
     for sweep, mine in cases.groupby("sweep", sort=False):
-        found.append(f"{sweep}, by {mine['factor'].iloc[0]}: energy off its balance, of the problem's\n" + energy_map(mine).to_string())
+        head = f"{sweep}, by {mine['factor'].iloc[0]}: energy off its balance, of the problem's"
+        found.append(f"{head}\n{energy_map(mine).to_string()}")
     if len(cases):
-        tally = cases.assign(holds=holds(cases)).groupby("integrator", sort=False)["holds"].agg(cases="size", holds="sum")
+        good = cases.assign(holds=holds(cases)).groupby("integrator", sort=False)["holds"]
+        tally = good.agg(cases="size", holds="sum")
         found.append(f"cases of these that finish within {100 * BOUND:g} %\n" + tally.to_string())
     stiffness = default_stiffness(run)
     if len(cases) and stiffness == stiffness:
@@ -332,7 +337,7 @@ def text(run):
 def energy_map(cases):
     """Of one sweep of stability(): energy errors of the cases that finished, statuses of the others, as text.
 
-    Rows: integrators, with their setting where one has several; columns: values of the factor; a dash where none was run.
+    Rows: integrators, with their setting where one has several; columns: values of the factor; a dash: not run.
     """
     several = cases.groupby("integrator")["setting"].nunique().max() > 1
     who = cases["integrator"] + (", " + cases["setting"] if several else "")

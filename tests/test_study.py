@@ -210,6 +210,12 @@ def test_an_order_is_fitted_between_the_coarse_and_the_rounded():
     for by in ("fixed_step", "accuracy"):
         fitted = studies.orders(cases([2.0, 5.0] + law[2:6] + [1e-13, 2e-13], by)).iloc[0]
         assert fitted.order == pytest.approx(2, abs=1e-9) and fitted.points == 4 and fitted.spread < 1e-9
+    # What is greater than a tenth is no part of the line, though there be only three points without it.
+    fitted = studies.orders(cases([2.0, 0.5] + law[2:5] + [1e-13])).iloc[0]
+    assert fitted.order == pytest.approx(2, abs=1e-9) and fitted.points == 3
+    # The finest four count.
+    fitted = studies.orders(cases([0.09, 0.06] + law[2:6])).iloc[0]
+    assert fitted.order == pytest.approx(2, abs=1e-9) and fitted.points == 4
     # What rises again after three points is rounding, and no part of the line.
     fitted = studies.orders(cases([0.05, 0.0125, 0.003125, 0.004, 0.005])).iloc[0]
     assert fitted.order == pytest.approx(2) and fitted.points == 3

@@ -374,17 +374,18 @@ def test_an_integration_that_stopped_says_how_far_it_came():
 def test_who_escaped_before_an_integration_stopped_is_counted_and_the_time_is_that_of_the_motion():
     run = drifting([10, 9, np.nan, np.nan], dissipation=0.1)
     run.physics.attrs["status"] = "failed at step 2: energy"
-    run.bodies = pd.DataFrame({"first_step": [0, 0], "fixed": [True, False], "size": [np.ones(3), np.ones(3)]})
-    position = np.zeros((4, 2, 3))
-    position[1:, 1, 1], position[2:, 1] = -5.0, np.nan
-    run.motion = position, np.zeros((4, 2, 4))
+    run.bodies = pd.DataFrame({"first_step": 0, "fixed": [True, False, False, False], "size": [np.ones(3)] * 4})
+    position = np.zeros((4, 4, 3))
+    position[1, 1:] = (0, -5, 0), (9, 0, 0), (-11, 0, 0)  # below; near enough; farther than ten sizes
+    position[2:, 1:] = np.nan
+    run.motion = position, np.zeros((4, 4, 4))
     run.physics["greatest_penetration"] = [0.0, 0.25, np.nan, np.nan]
     for name in ("integrator_steps", "rejected_steps", "force_evaluations", "time_ns"):
         run.physics[name] = 1
     told = findings.drift(run)
     assert "Over 1 s bodies sink into each other by 0.25 m at most, at 1 s." in told
-    assert "1 body escaped (ended below everything fixed, or ten times its size away) over 1 s." in told
-    assert studies.drift(run).seconds == 1 and studies.drift(run).escaped == 1
+    assert "2 bodies escaped (ended below everything fixed, or ten times its size away) over 1 s." in told
+    assert studies.drift(run).seconds == 1 and studies.drift(run).escaped == 2
     for nothing in (0.0, np.nan):  # nothing is there yet, or the integration failed at once
         run.physics["energy"] = nothing
         assert np.isnan(studies.drift(run).energy_first) and np.isnan(studies.drift(run).energy_fall)
