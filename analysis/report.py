@@ -263,7 +263,10 @@ def provenance(runs):
     frame = frame.fillna("")
     frame = frame[(frame != "").any(axis=1)]
     frame.index.name = "file"
-    caption = "The digest covers everything but times and names of machines: equal digests are equal results."
+    caption = (
+        "The digest covers everything but times and names of machines: equal digests are equal results. It stands here"
+        " as the file has it; pipeline show computes it anew and refuses a file whose content differs."
+    )
     texts = [
         Text(f"Configuration of {pareto.name(run)}, after defaults and --set", run.meta["config_effective"])
         for run in runs

@@ -113,6 +113,11 @@ def test_cases_that_have_no_cost_are_counted_apart_from_the_crosses():
     assert "did not finish (1; 1 more ended before their first step)" in caption
 
 
+def test_a_case_without_cost_is_not_the_cheapest():
+    rows = [case(MERSON, "p", "pendulum", accuracy=10.0**-k, error=1e-7, force_evaluations=100 * (k - 1)) for k in range(1, 5)]
+    assert list(study_tables.cheapest(made(rows))["cost"][:2]) == [100, 100]
+
+
 def test_a_case_that_failed_reaches_no_precision_and_stays_in_the_numbers():
     rows = [case(MERSON, "p", "pendulum", accuracy=10.0**-k, error=1e-4, status="time" if k == 3 else "finished") for k in range(1, 4)]
     table = study_tables.work_precision(made(rows))
@@ -363,6 +368,25 @@ def test_energy_is_judged_only_where_nothing_gives_or_takes_it():
     born = drifting([10, 10.5], dissipation=0.0)
     born.bodies["first_step"] = [0, 1]
     assert not any("energy" in text for text in findings.drift(born))
+
+
+LOSSES = ["dissipation", "static_friction", "dynamic_friction", "viscous_friction", "linear_damping", "angular_damping"]
+
+
+@pytest.mark.parametrize("name", LOSSES)
+def test_one_loss_is_enough_for_energy_to_be_no_error(name):
+    assert study_tables.lossless(drifting([10, 9], **dict.fromkeys(LOSSES, 0.0)))
+    assert not study_tables.lossless(drifting([10, 9], **dict.fromkeys(LOSSES, 0.0) | {name: 0.1}))
+
+
+@pytest.mark.parametrize("push, steady", [
+    ("speed = 5.0\nfrom = 0\nevery = 2", True), ("speed = 5.0\nfrom = 0\nevery = 1", False),
+    ("speed = 5.0\nfrom = 1\nevery = 2", False), ("speed = 0.0\nfrom = 1\nevery = 1", True),
+])  # fmt: skip
+def test_only_a_push_at_the_start_leaves_the_energy_alone(push, steady):
+    run = drifting([10, 9], dissipation=0.0)
+    run.meta["config_effective"] += f"\n[scene.push]\n{push}\n"
+    assert study_tables.lossless(run) == steady
 
 
 def test_an_integration_that_stopped_says_how_far_it_came():
