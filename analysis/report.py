@@ -84,11 +84,11 @@ def is_study(run):
 
 def lead(runs, found):
     """What was run, in a line each."""
-    labels = sum(len(scene.points) for scene in found)
-    lines = []
+    tests = {(p.algorithm, json.dumps(p.knobs, sort_keys=True)) for scene in found for p in scene.points.itertuples()}
+    labels, lines = len(tests), []
     if labels or not any(map(is_study, runs)):
         lines.append(
-            f"How often {labels} approximate collision test{'s' * (labels != 1)} between triangle meshes err"
+            f"How often {counted(labels, 'collision test')} between triangle meshes err"
             f"{'s' * (labels == 1)}, judged by exact answers, and what {'they cost' if labels != 1 else 'it costs'}."
         )
     if any(map(is_study, runs)):

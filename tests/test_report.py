@@ -16,6 +16,7 @@ from browser import browsing, open_page
 from conftest import ROOT, SCENES
 
 from analysis import labels, pareto, plots_error, thesis_figures
+from analysis import report as report_module
 from analysis.__main__ import main
 from analysis.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
 from analysis.load import load
@@ -366,6 +367,13 @@ def odd(path, tmp_path, *words):
     for word in words:
         assert word in text, word
     assert open_page(output) == []
+
+
+def test_the_lead_counts_a_test_once_in_however_many_scenes(result_file, small_file):
+    runs = [load(result_file), load(small_file(ROOT / "configs" / "hriste.toml"))]
+    tests = {(answers["name"], answers["knobs"]) for run in runs for answers in run.meta["answers"].values()}
+    assert report_module.lead(runs, pareto.scenes(runs))[0].startswith(f"How often {len(tests)} collision tests")
+    assert len(tests) < sum(len(run.meta["algorithms"]) for run in runs)
 
 
 def test_zero_hits_are_said(pipeline, tmp_path):

@@ -347,6 +347,17 @@ def test_answers_that_change_and_algorithms_that_fail_are_named():
     assert "two fails in 5 of 5 cases; first: too dense." in failing
 
 
+def test_an_answer_that_moves_with_the_truth_is_no_contradiction():
+    run = answered()
+    table = run.extremes
+    both = (table["gap_class"] == "0 ulp") & (table["algorithm"] == "one")
+    table.loc[both, ["moved", "truth_moved"]] = ~table.loc[both, ["moved", "truth_moved"]]
+    table.loc[(table["gap_class"] == "+1e-3") & (table["algorithm"] == "two"), "moved"] = True
+    shaky = extremes.instability(run)
+    assert shaky["moved"].to_dict() == {("one", False): 0, ("one", True): 0, ("two", False): 1, ("two", True): 0}
+    assert shaky["truth_moved"].sum() == 1
+
+
 # ---- Drift -------------------------------------------------------------------------------------------------------------
 
 
