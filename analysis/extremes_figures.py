@@ -227,7 +227,8 @@ def instability_table(run):
     })  # fmt: skip
     moved, swapped = (int(table[name].sum()) for name in ("moved", "swapped"))
     who = list(dict.fromkeys(table.index[(table["moved"] > 0) | (table["swapped"] > 0)].get_level_values("algorithm")))
-    title = ("No answer changes with the order of a pair, nor when both bodies are moved exactly" if not who else
+    title = ("No algorithm answers any case" if not table["cases"].any() else
+             "No answer changes with the order of a pair, nor when both bodies are moved exactly" if not who else
              f"{number(swapped)} answers change with the order of the pair and {number(moved)} when both bodies are moved exactly: {listed(who)}")  # fmt: skip
     failed = list(dict.fromkeys(table.index[table["failed"] > 0].get_level_values("algorithm")))
     title += f"; {listed(failed)} {'fails' if len(failed) == 1 else 'fail'} in {number(int(table['failed'].sum()))} cases" if failed else "; none fails"

@@ -6,6 +6,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from analysis import labels, pareto
+from analysis.drawing import shortened
 from analysis.figure import INVENTED, MISSED, Figure, figure, style, svg_of
 
 NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
@@ -117,12 +118,12 @@ def kinds(scene, key):
         axes.barh(rows, values, color=colour, height=0.72)
         axes.set_xlabel(words)
         axes.grid(axis="y", visible=False)
-        axes.set_xlim(0, max(values.max(), 1e-9) * 1.22)
+        axes.set_xlim(0, (values.max() or 1) * 1.22)
         for row, value in zip(rows, values):
             axes.text(value, row, f" {number(value)}", va="center", fontsize=8, color="#111111" if value else "#767676")
         axes.tick_params(axis="y", length=0)
         axes.locator_params(axis="x", nbins=4)
-    left.set_yticks(rows, drawn.label, fontsize=8.5)
+    left.set_yticks(rows, map(shortened, drawn.label), fontsize=8.5)
     left.set_ylim(-0.6, len(drawn) - 0.4)
     return Figure(_kinds_finding(points, met), svg_of(fig), caption, table, key)
 

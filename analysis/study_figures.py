@@ -121,6 +121,8 @@ def precision_figure(run, cost, key):
     best = study_tables.cheapest(run, cost)
     title = precision_title(best, "fewest force evaluations" if cost == "force_evaluations" else "least processor time")
     wanted = table.groupby("problem", sort=False)["error"].count()
+    if not wanted.any():
+        return f"Error against cost: not drawn, no case of {listed(wanted.index)} has an error."
     fig, lost, idle = precision_panels(table, [name for name in wanted.index if wanted[name]], cost,
                                  "force evaluations" if cost == "force_evaluations" else "processor time (s)", study_tables.controlled,
                                  best[best["apart"]])  # fmt: skip
@@ -466,7 +468,7 @@ def extremes_figure(run, key):
     good = study_tables.holds(table, 0.1).groupby(table["row"], sort=False).mean()
     none = [name.replace("\n", " ") for name in good.index[good == 0]]
     all_of = int((good == 1).sum())
-    title = f"Of {len(good)} extreme cases {all_of} go well with every integrator and {len(none)} with none (finished, energy within 10 %)"
+    title = f"Of {counted(len(good), 'extreme case')} {all_of} go well with every integrator and {len(none)} with none (finished, energy within 10 %)"
     caption = (
         f"{len(table)} cases. Cells as in the stability map: energy off its balance, in percent. Cases of one name are the naive form and the adapted ones "
         f"beside it: units of the problem's own size, or tolerances and steps that fit it. {own_steps(table)}" + source(run)

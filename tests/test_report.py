@@ -298,6 +298,19 @@ def test_few_labels_are_all_named_beside_their_marks(result_file):
         assert set(run.meta["algorithms"]) <= set(named)
 
 
+def test_long_labels_leave_room_to_the_bars_and_none_is_an_axis_of_its_own_size(result_file, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(plots_error, "svg_of", lambda fig, titles=None: drawn.append(fig) or "")
+    scene, = pareto.scenes([load(result_file)])
+    scene.points["label"] += "-with-a-name-of-sixty-four-characters-as-the-configuration-allows"
+    scene.points["false_negative"] = 0
+    plots_error.kinds(scene, "k")
+    drawn[0].draw_without_rendering()
+    for axes in drawn[0].axes:
+        assert axes.get_window_extent().width > 120  # of 432
+        assert axes.xaxis.get_offset_text().get_text() == ""  # not "1e-9"
+
+
 def test_an_algorithm_without_error_stands_in_the_strip(copy):
     assert "none is without error" in figures([load(copy)])[0].svg
     with h5py.File(copy, "r+") as file:

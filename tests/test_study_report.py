@@ -225,6 +225,7 @@ def test_an_empty_study_and_one_where_all_fails_are_reported():
         page = report.report([run])
         assert "Traceback" not in page and "Findings" in page
     assert "4 of 4 cases did not finish" in page
+    assert study_figures.precision_figure(made(rows), "time_s", "key") == "Error against cost: not drawn, no case of pendulum has an error."
 
 
 # ---- Extremes of the answers -----------------------------------------------------------------------------------------
@@ -328,6 +329,7 @@ def test_extremes_of_which_no_case_is_answered_are_drawn_and_said():
     told = findings.answers(run)
     assert not any("never wrong" in text or "changes" in text for text in told)
     assert "two fails in 5 of 5 cases; first: too dense." in told
+    assert extremes_figures.instability_table(run).title == "No algorithm answers any case; one and two fail in 10 cases"
 
 
 def test_what_failed_is_left_out_of_shares_and_it_is_said():
