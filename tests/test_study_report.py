@@ -168,6 +168,27 @@ def test_what_holds_and_what_fails_is_said_with_its_cause():
     assert "All 10 cases finished." in silent
 
 
+def test_who_lacks_a_value_is_not_said_to_hold_everywhere():
+    rows = stiff().study
+    lacking = rows[(rows["integrator"] == MERSON) | (rows["stiffness"] != 1e7)]
+    assert f"(over_stiffness) {MERSON} keeps the energy within 1 % over stiffness 1e7 to 1e9 Pa" in said(made(lacking))
+
+
+def test_an_order_that_falls_short_is_said_and_one_that_is_on_no_line_is_left_out():
+    def run(errors, problem):
+        return [case(MERSON, problem, problem, accuracy=np.nan, fixed_step=0.1 / 2**k, error=error) for k, error in enumerate(errors)]
+
+    full, short = ([1e-2 / factor**k for k in range(4)] for factor in (16, 4))
+    erratic = [1e-2, 9e-3 / 2, 1e-6, 8e-7]
+    told = said(made(run(full, "pendulum") + run(short, "bounce") + run(erratic, "top")))
+    assert f"{MERSON} converges with order 2.00 to 4.00 on 2 problems; nominal is 4, which it falls short of on bounce." in told
+    assert f"{MERSON} converges with order 4.00 on 1 problem; nominal is 4." in said(made(run(full, "pendulum")))
+    figure = study_figures.order_figure(made(run(full, "pendulum") + run(short, "bounce") + run(erratic, "top")), "key")
+    assert figure.title == f"1 of 2 fitted orders are within 0.3 of the nominal ones; farthest is {MERSON} on bounce, 2.00 for 4"
+    rows = study_figures.orders_table(made(run(full, "pendulum") + run(erratic, "top"))).frame
+    assert rows["pendulum"].iloc[0] == "4.00 ± 0.00" and rows["top"].iloc[0].startswith("erratic (")
+
+
 def test_a_failure_is_a_letter_in_the_map_and_a_row_of_its_numbers():
     figure = study_figures.map_figure(stiff(**{f"{EULER}_1e+09": {"status": "tunnelled"}}), "over_stiffness", "key")
     assert ">W<" in figure.svg and "went through the plate" in figure.svg
