@@ -120,10 +120,10 @@ def kinds(scene, key):
         axes.grid(axis="y", visible=False)
         axes.set_xlim(0, (values.max() or 1) * 1.22)
         for row, value in zip(rows, values):
-            axes.text(value, row, f" {number(value)}", va="center", fontsize=8, color="#111111" if value else "#767676")
+            axes.text(value, row, f" {number(value)}", va="center", fontsize=9, color="#111111" if value else "#767676")
         axes.tick_params(axis="y", length=0)
         axes.locator_params(axis="x", nbins=4)
-    left.set_yticks(rows, map(shortened, drawn.label), fontsize=8.5)
+    left.set_yticks(rows, map(shortened, drawn.label))
     left.set_ylim(-0.6, len(drawn) - 0.4)
     return Figure(_kinds_finding(points, met), svg_of(fig), caption, table, key)
 
