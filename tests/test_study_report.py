@@ -286,6 +286,16 @@ def test_errors_near_touching_are_counted_apart():
     assert "Wrong within 1000 ulps of touching: two 33.33 % (0 missed, 1 invented)." in told
 
 
+def test_decades_within_rounding_of_touching_are_in_no_bar_and_are_counted():
+    run = answered(lambda label, name, meets: meets and name != "-1e-3")
+    both = run.extremes[run.extremes["gap_class"] == "-1e-3"].assign(near_touching=True, step=5)
+    run.extremes = pd.concat([run.extremes, both.assign(reported=True)], ignore_index=True)
+    drawn = extremes_figures.drawn_classes(extremes_figures.gap_shares(run))
+    assert drawn[(drawn["gap_class"] == "-1e-3")]["missed"].to_list() == [1.0, 1.0]  # the two labels, far from touching
+    assert len(drawn) == 2 * len(CLASSES)
+    assert "4 cases, counted apart; 1 of them are decades" in extremes_figures.gap_figure(run, "key").caption
+
+
 def test_what_is_missed_and_invented_far_from_touching_changes_the_finding():
     missing = answered(lambda label, name, meets: meets and label == "one")
     assert extremes_figures.gap_figure(missing, "key").title == "Beyond rounding of touching one is never wrong"
