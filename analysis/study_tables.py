@@ -63,9 +63,14 @@ def work_precision(run):
     rows = [rows.assign(problem=name) for name, rows in parts(studies.study(run))[1]]
     columns = ["problem", "integrator", "setting", *CONTROLS, "error", "force_evaluations", "time_s", "energy_error",
                "status", "reason"]  # fmt: skip
-    if not rows:
+    return joined(rows, columns)
+
+
+def joined(tables, columns):
+    """Tables of cases as one, with each row's setting and time_s; NaN for the error of a case that did not finish."""
+    if not tables:
         return pd.DataFrame(columns=columns)
-    table = pd.concat(rows, ignore_index=True)
+    table = pd.concat(tables, ignore_index=True)
     table["setting"] = [setting(row) for _, row in table.iterrows()]
     table["time_s"] = (table["time_ns"] / 1e9).where(table["time_ns"] > 0)
     table["error"] = table["error"].where(table["finished"])
@@ -119,12 +124,7 @@ def stability(run):
     columns = ["sweep", "problem", "factor", "value", "integrator", "setting", "finished", "status", "reason",
                "energy_error", "momentum_drift", "greatest_penetration", "smallest_step", "steps", "rejected_steps",
                "force_evaluations", "time_s"]  # fmt: skip
-    if not rows:
-        return pd.DataFrame(columns=columns)
-    table = pd.concat(rows, ignore_index=True)
-    table["setting"] = [setting(row) for _, row in table.iterrows()]
-    table["time_s"] = (table["time_ns"] / 1e9).where(table["time_ns"] > 0)
-    return table[columns]
+    return joined(rows, columns)
 
 
 def holds(table, bound=BOUND):
