@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -12,6 +12,7 @@
 
 #include "pipeline/digest.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/print.hpp"
 #include "pipeline/store.hpp"
 #include "pipeline/target.hpp"
 #include "pipeline/truth.hpp"
@@ -36,11 +37,7 @@ double median(std::vector<double> values) {
 }
 
 /// Three digits: a fourth would be noise, and change at every recording.
-double rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return std::strtod(text, nullptr);
-}
+double rounded(double value) { return std::strtod(print("%.3g", value).c_str(), nullptr); }
 
 void add(Digest& digest, double x) {
   if (std::isnan(x)) x = std::numeric_limits<double>::quiet_NaN();
@@ -234,7 +231,7 @@ Score score(const Result& result, const std::filesystem::path& path, const Score
     if (options.times && !options.write) compare_times(old_rows, new_rows, place, options, out);
   }
   if (options.write && (!before || *before != now)) {
-    const std::string text = now.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    const std::string text = dumped(now);
     Target(path, true).write(std::as_bytes(std::span(text)));
     out.written = true;
   }
@@ -262,10 +259,8 @@ std::string score_text(const Score& score, const std::string& baseline) {
   for (const std::string& label : score.fresh) text += label + ": new, not in the baseline\n";
   for (const std::string& label : score.missing) text += label + ": missing, only in the baseline\n";
   for (const TimeChange& time : score.times) {
-    char line[160];
-    std::snprintf(line, sizeof line, "%s: time %.3g -> %.3g of the median (x %.2f)", time.label.c_str(), time.before,
-                  time.now, time.now / time.before);
-    text += line;
+    text += print("%s: time %.3g -> %.3g of the median (x %.2f)", time.label.c_str(), time.before, time.now,
+                  time.now / time.before);
     const bool beyond = std::ranges::find(score.beyond_tolerance, time.label) != score.beyond_tolerance.end();
     text += beyond ? ", beyond the tolerance\n" : "\n";
   }
@@ -294,7 +289,7 @@ std::string score_json(const Score& score, const std::string& file, const std::s
     json["times"].push_back(
         {{"label", time.label}, {"before", time.before}, {"now", time.now}, {"factor", time.now / time.before}});
   if (!score.times.empty()) json["beyond_tolerance"] = score.beyond_tolerance;
-  return json.dump(2, ' ', false, Ordered::error_handler_t::replace) + "\n";
+  return dumped(json);
 }
 
 }  // namespace pipeline

@@ -15,6 +15,8 @@
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/export.hpp"
+#include "pipeline/list.hpp"
+#include "pipeline/plan.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/run.hpp"
@@ -204,7 +206,8 @@ int dispatch(int argc, const char* const* argv) {
     const std::filesystem::path target = output_path(config, options);
     const Plan planned = plan(config);
     refuse_if_too_large(planned, target);
-    if (!config.study && planned.case_sets == 0) refuse_unfit(config.scene_kind->make(config).bodies, config.algorithms);
+    if (!config.study && planned.case_sets == 0)
+      refuse_unfit(config.scene_kind->make(config).bodies, config.algorithms);
     put(json ? plan_json(config, planned, target.string()) : plan_text(config, planned, target.string()));
     return kDone;
   }

@@ -12,6 +12,7 @@
 #include "pipeline/motion.hpp"
 #include "pipeline/part.hpp"
 #include "pipeline/passes.hpp"
+#include "pipeline/plan.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/scene.hpp"
@@ -23,13 +24,6 @@
 namespace pipeline {
 namespace fs = std::filesystem;
 namespace {
-
-std::string human(std::uint64_t bytes) {
-  char text[32];
-  const bool large = bytes >= (1u << 30);
-  std::snprintf(text, sizeof text, large ? "%.1f GiB" : "%.1f MiB", double(bytes) / double(large ? 1 << 30 : 1 << 20));
-  return text;
-}
 
 std::vector<std::int64_t> first_steps(const std::vector<std::vector<geometry::Pose>>& poses, std::size_t bodies) {
   std::vector<std::int64_t> first(bodies, -1);
@@ -89,55 +83,6 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
 fs::path output_path(const Config& config, const RunOptions& options) {
   if (!options.output.empty()) return options.output;
   return fs::path("results") / (config.path.stem().string() + ".h5");
-}
-
-Plan plan(const Config& config) {
-  if (config.study) {
-    constexpr std::uint64_t kCaseBytes = 1024, kNames = 1 << 16;  // of a row with its texts; of attributes and names
-    const std::uint64_t cases = study_cases(*config.study).size();
-    Plan plan;
-    plan.cases = cases;
-    plan.file_bytes = kNames + cases * kCaseBytes;
-    plan.memory_bytes = 4 * cases * kCaseBytes;
-    return plan;
-  }
-  const SceneSize size = config.scene_kind->size(config);
-  Plan plan{.bodies = size.bodies, .meshes = size.meshes, .triangles = size.mesh_triangles};
-  plan.pairs = size.pairs.value_or(size.bodies * (size.bodies - 1) / 2);
-  plan.passes = size.passes;
-  plan.case_sets = size.case_sets;
-  const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
-  const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
-  plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);
-  if (plan.case_sets > 0) {  // two bodies a step make lists; of the others there are only poses
-    constexpr std::uint64_t kPose = 7 * 8, kRow = 80, kFlags = 5;
-    plan.file_bytes =
-        estimated_bytes(steps, 2, algorithms, mesh_bytes) + steps * (size.bodies * kPose + kRow + kFlags * algorithms);
-  }
-  // Gaps: about as many pairs as an algorithm reports, each with two reals.
-  if (config.gap_margin) plan.file_bytes += steps * (4 * size.bodies * 24 + 8);
-  // In memory: the result and, while it is written, once more its datasets; of every distinct mesh the hierarchies and
-  // sampled facets (about 200 bytes a triangle) of the truth and of each algorithm. Gaps: on every thread the world
-  // vertices (24 bytes) and boxes (48 bytes, up to four a vertex) of all bodies.
-  plan.memory_bytes = 2 * plan.file_bytes + (1 + algorithms) * 200 * size.mesh_triangles;
-  if (config.gap_margin) {
-    const std::uint64_t chunks = (steps + kChunkSteps - 1) / kChunkSteps;
-    const std::uint64_t threads = std::max(1u, std::thread::hardware_concurrency());
-    plan.memory_bytes += std::min(threads, chunks) * (24 + 4 * 48) * size.body_vertices;
-  }
-  if (plan.case_sets > 0) plan.memory_bytes += plan.file_bytes;  // nearly all is motion, there once more for a moment
-  return plan;
-}
-
-void refuse_if_too_large(const Plan& plan, const fs::path& output) {
-  if (plan.memory_bytes > machine_memory())
-    throw Error(kInput, "the run needs about " + human(plan.memory_bytes) + " of memory, this machine has " +
-                            human(machine_memory()) + "; fewer steps, bodies or segments make it smaller");
-  // Twice: the part and the file exist together for a moment.
-  if (2 * plan.file_bytes > free_disk(output))
-    throw Error(kInput, output.string() + ": the run needs about " + human(2 * plan.file_bytes) +
-                            " of disk, there is " + human(free_disk(output)) +
-                            " free; choose another -o or fewer steps");
 }
 
 Result run(const Config& config, const RunOptions& options) {

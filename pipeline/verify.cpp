@@ -11,6 +11,7 @@
 
 #include "geometry/oracle.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/print.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/random.hpp"
 
@@ -353,7 +354,7 @@ std::string verified_json(const Verified& verified, const Result& result, const 
                           {"bodies", {result.bodies.name[d->pair.a], result.bodies.name[d->pair.b]}},
                           {"truth", text_of(d->truth)},
                           {"oracle", text_of(d->oracle)}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return dumped(json);
 }
 
 }  // namespace pipeline
