@@ -199,9 +199,7 @@ std::vector<Pass> all_passes(const PlaygroundScene& scene) {
 // ---- Keys --------------------------------------------------------------------------------------------------------
 
 void refuse_bad_name(const Section& s, const std::string& name, const std::set<std::string>& taken) {
-  constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.+-";
-  if (name.empty() || name.size() > 64 || name.find_first_not_of(kAllowed) != std::string::npos)
-    s.refuse("name", "be 1 to 64 characters of A-Z a-z 0-9 _ . + -");
+  if (!valid_label(name)) s.refuse("name", kLabelRule);
   if (taken.contains(name)) s.refuse("name", "be the only one of its name", "give it another");
 }
 
