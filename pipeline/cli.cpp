@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "pipeline/baseline.hpp"
@@ -24,6 +23,7 @@
 #include "pipeline/show.hpp"
 #include "pipeline/step_range.hpp"
 #include "pipeline/store.hpp"
+#include "pipeline/threads.hpp"
 #include "pipeline/verify.hpp"
 #include "pipeline/words.hpp"
 
@@ -73,9 +73,8 @@ int verify_file(const std::string& file, const VerifyOptions& options, int threa
   check_step_range(options.steps);
   const Result result = whole_result(file);
   const StepRange steps = step_range(options.steps, result.steps(), file);
-  if (threads == 0) threads = int(std::max(1u, std::thread::hardware_concurrency()));
   const Verified verified =
-      verify(result, steps, options.all ? std::nullopt : std::optional(options.pairs), threads, quiet);
+      verify(result, steps, options.all ? std::nullopt : std::optional(options.pairs), thread_count(threads), quiet);
   put(json ? verified_json(verified, result, file) : verified_text(verified, result));
   if (!verified.difference) return kDone;
   std::fprintf(stderr, "%s\n", one_line(file + ": " + difference_text(verified, result), 1 << 16).c_str());

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "pipeline/error.hpp"
 #include "pipeline/part.hpp"
@@ -12,6 +11,7 @@
 #include "pipeline/scene.hpp"
 #include "pipeline/store.hpp"
 #include "pipeline/study.hpp"
+#include "pipeline/threads.hpp"
 #include "pipeline/truth.hpp"
 
 namespace pipeline {
@@ -61,8 +61,7 @@ Plan plan(const Config& config) {
   plan.memory_bytes = 2 * plan.file_bytes + (1 + algorithms) * 200 * size.mesh_triangles;
   if (config.gap_margin) {
     const std::uint64_t chunks = (steps + kChunkSteps - 1) / kChunkSteps;
-    const std::uint64_t threads = std::max(1u, std::thread::hardware_concurrency());
-    plan.memory_bytes += std::min(threads, chunks) * (24 + 4 * 48) * size.body_vertices;
+    plan.memory_bytes += std::min(std::uint64_t(thread_count(0)), chunks) * (24 + 4 * 48) * size.body_vertices;
   }
   if (plan.case_sets > 0) plan.memory_bytes += plan.file_bytes;  // nearly all is motion, there once more for a moment
   return plan;

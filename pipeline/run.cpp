@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
@@ -19,6 +18,7 @@
 #include "pipeline/score.hpp"
 #include "pipeline/store.hpp"
 #include "pipeline/study.hpp"
+#include "pipeline/threads.hpp"
 #include "pipeline/truth.hpp"
 
 namespace pipeline {
@@ -53,10 +53,6 @@ void describe(Result& result, const Config& config, Provenance from, std::chrono
   result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-int thread_count(const RunOptions& options) {
-  return options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
-}
-
 /// A study: cases instead of a scene.
 Result run_study(const Config& config, const RunOptions& options, std::chrono::steady_clock::time_point start) {
   const fs::path output = output_path(config, options);
@@ -69,7 +65,7 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
   Result result;
   {
     Progress progress("cases", cases.size(), options.quiet);
-    result.study = study_rows(*config.study, cases, thread_count(options), part, progress);
+    result.study = study_rows(*config.study, cases, thread_count(options.threads), part, progress);
   }
   describe(result, config, std::move(from), start);
   part.mark_complete();
@@ -101,7 +97,7 @@ Result run(const Config& config, const RunOptions& options) {
   Target target(output, options.force);
   Part part(part_path, part_key(config, from), config.title, config.steps, options.force);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
-  const int threads = thread_count(options);
+  const int threads = thread_count(options.threads);
   const std::uint64_t steps = std::uint64_t(config.steps);
 
   Result result;
