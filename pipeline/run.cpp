@@ -53,6 +53,16 @@ void describe(Result& result, const Config& config, Provenance from, std::chrono
   result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// What algorithms answer about a motion and its truth; of extremes, which have `sets`, also case by case.
+ExtremesDetected answered(const Result& result, const std::vector<CaseSet>& sets,
+                          const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Part* part,
+                          bool quiet) {
+  Progress progress("detect", result.steps(), quiet);
+  if (sets.empty())
+    return {detect(result.bodies, result.motion, result.truth, choices, repeats, machine(), part, progress), {}};
+  return detect_extremes(result.bodies, result.motion, result.truth, sets, choices, repeats, machine(), part, progress);
+}
+
 /// A study: cases instead of a scene.
 Result run_study(const Config& config, const RunOptions& options, std::chrono::steady_clock::time_point start) {
   const fs::path output = output_path(config, options);
@@ -118,41 +128,32 @@ Result run(const Config& config, const RunOptions& options) {
       progress.add(steps);
     }
   }
+  result.bodies = std::move(scene.bodies);
   {
     Progress progress("truth", steps, options.quiet);
-    result.truth = decide(scene.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);
+    result.truth = decide(result.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);
   }
   if (!scene.case_sets.empty()) {
-    result.extremes.emplace();
-    {
-      Progress progress("cases", steps, options.quiet);
-      result.extremes->rows =
-          extreme_rows(scene.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
-    }
-    Progress progress("detect", steps, options.quiet);
-    ExtremesDetected found = detect_extremes(scene.bodies, result.motion, result.truth, scene.case_sets,
-                                             config.algorithms, config.repeats, machine(), &part, progress);
-    result.answers = std::move(found.answers);
-    result.extremes->answers = std::move(found.cases);
-  } else {
-    Progress progress("detect", steps, options.quiet);
-    result.answers = detect(scene.bodies, result.motion, result.truth, config.algorithms, config.repeats, machine(),
-                            &part, progress);
+    Progress progress("cases", steps, options.quiet);
+    result.extremes.emplace().rows =
+        extreme_rows(result.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
   }
+  ExtremesDetected found = answered(result, scene.case_sets, config.algorithms, config.repeats, &part, options.quiet);
+  result.answers = std::move(found.answers);
+  if (result.extremes) result.extremes->answers = std::move(found.cases);
   if (!scene.passes.empty()) {
     Progress progress("passes", scene.passes.size() * (1 + result.answers.size()), options.quiet);
     Passes passes;
-    passes.rows = pass_rows(scene.bodies, result.motion, result.truth, scene.passes, progress);
+    passes.rows = pass_rows(result.bodies, result.motion, result.truth, scene.passes, progress);
     for (std::size_t a = 0; a < result.answers.size(); ++a)
-      passes.answers.push_back(pass_answers(scene.bodies, result.motion, result.truth, scene.passes, passes.rows,
+      passes.answers.push_back(pass_answers(result.bodies, result.motion, result.truth, scene.passes, passes.rows,
                                             result.answers[a], config.algorithms[a], progress));
     result.passes = std::move(passes);
   }
-  const std::uint64_t pairs = total_pairs(scene.bodies, result.motion);
+  const std::uint64_t pairs = total_pairs(result.bodies, result.motion);
   for (const Answers& answers : result.answers) result.summary.push_back(summarise(answers, pairs));
 
-  result.first_step = first_steps(result.motion, scene.bodies.size());
-  result.bodies = std::move(scene.bodies);
+  result.first_step = first_steps(result.motion, result.bodies.size());
   describe(result, config, std::move(from), start);
   part.mark_complete();
   write_result(result, target);
@@ -189,22 +190,16 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
         throw Error(kInput, "--algorithm: the label '" + label + "' is given twice; name another with @LABEL");
   }
 
-  std::vector<Answers> fresh;
-  std::vector<ExtremeAnswers> fresh_cases;
+  std::vector<CaseSet> sets;
   if (result.extremes) {
-    const std::vector<CaseSet> sets = config.scene_kind->make(config).case_sets;
+    sets = config.scene_kind->make(config).case_sets;
     if (sets.empty() || std::size_t(sets.back().first_step + sets.back().steps) != result.steps())
       throw Error(kFile, file.string() + ": its cases are not those of its configuration; run again with --force");
-    Progress progress("detect", result.steps(), options.quiet);
-    ExtremesDetected found = detect_extremes(result.bodies, result.motion, result.truth, sets, choices, config.repeats,
-                                             machine(), nullptr, progress);
-    fresh = std::move(found.answers);
-    fresh_cases = std::move(found.cases);
   } else {
     refuse_unfit(result.bodies, choices);
-    Progress progress("detect", result.steps(), options.quiet);
-    fresh = detect(result.bodies, result.motion, result.truth, choices, config.repeats, machine(), nullptr, progress);
   }
+  ExtremesDetected found = answered(result, sets, choices, config.repeats, nullptr, options.quiet);
+  std::vector<Answers>& fresh = found.answers;
   std::vector<PassAnswers> fresh_passes;
   if (result.passes) {
     // The file holds where the hero was at its samples; where it was between them its configuration says.
@@ -227,7 +222,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
       if (result.extremes) result.extremes->answers.emplace_back();
     }
     if (result.passes) result.passes->answers[at] = std::move(fresh_passes[i]);
-    if (result.extremes) result.extremes->answers[at] = std::move(fresh_cases[i]);
+    if (result.extremes) result.extremes->answers[at] = std::move(found.cases[i]);
     result.summary[at] = summarise(answers, pairs);
     result.answers[at] = std::move(answers);
   }
