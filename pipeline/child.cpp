@@ -26,10 +26,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostSaid = 1 << 16;  // bytes of a child's stderr that are kept
-constexpr char kWhole = '\n';               // the last byte of a child that came to its end
-constexpr int kRound_ms = 100;              // of waiting; also how soon a wish to stop is seen
-constexpr double kMostRound = 0.2;          // s; what is beyond it was no waiting: Ctrl-Z had stopped all of us
+constexpr std::size_t kMostSaid = 300;  // bytes of a child's stderr that are kept: the last
+constexpr char kWhole = '\n';           // the last byte of a child that came to its end
+constexpr int kRound_ms = 100;          // of waiting; also how soon a wish to stop is seen
+constexpr double kMostRound = 0.2;      // s; what is beyond it was no waiting: Ctrl-Z had stopped all of us
 
 struct Child {
   std::size_t job = 0;
@@ -97,7 +97,7 @@ Child start(std::size_t job, const ChildLimits& limits, const std::function<std:
   return child;
 }
 
-/// Takes what is there; closes `file` at its end.
+/// Takes what is there, keeps the last `most` bytes of all; closes `file` at its end.
 void take(int& file, std::string& into, std::size_t most) {
   char block[1 << 14];
   const ssize_t got = read(file, block, sizeof block);
@@ -107,13 +107,14 @@ void take(int& file, std::string& into, std::size_t most) {
     file = -1;
     return;
   }
-  if (into.size() < most) into.append(block, static_cast<std::size_t>(got));
+  into.append(block, static_cast<std::size_t>(got));
+  if (into.size() > most) into.erase(0, into.size() - most);
 }
 
 std::string failure_of(const Child& child, int status, const ChildLimits& limits) {
   std::string said = child.words;
   while (!said.empty() && said.back() == '\n') said.pop_back();
-  said = one_line(said, 300);
+  said = one_line(said, kMostSaid);
   if (child.late) return "more than " + real_text(limits.wall_seconds) + " s of wall time";
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);

@@ -106,6 +106,18 @@ TEST(Child, HoldsNoFileOfItsParent) {
   EXPECT_EQ(all.at(1).bytes, "well");
 }
 
+TEST(Child, WhatItSaidLastIsTold) {
+  const auto all = ended(1, 1, {}, [](std::size_t) -> std::string {
+    for (int i = 0; i < 20000; ++i) std::fputs("step refused\n", stderr);
+    std::fputs("the end\n", stderr);
+    std::abort();
+  });
+  EXPECT_TRUE(all.at(0).failure.starts_with("aborted: ")) << all.at(0).failure;
+  EXPECT_TRUE(all.at(0).failure.ends_with("step refused the end") || all.at(0).failure.ends_with("?the end"))
+      << all.at(0).failure;
+  EXPECT_LT(all.at(0).failure.size(), 320u);
+}
+
 TEST(Child, TimeForWhichCtrlZStoppedAllIsNobodys) {
   const pid_t program = fork();
   if (program == 0) {
