@@ -214,13 +214,13 @@ inline constexpr Column<StudyRow, double> kStudyReals[] = {
     {"position_error", &StudyRow::position_error, "m", "greatest error of a position at the end"},
     {"orientation_error", &StudyRow::orientation_error, "rad", "greatest error of an orientation at the end"},
     {"energy_error", &StudyRow::energy_error, "1",
-     "energy gained (positive) or lost against its balance, over the problem's energy: the worst of the whole time"},
+     "energy gained (positive) or lost against its balance, over the problem's energy: the worst of 256 looks"},
     {"momentum_drift", &StudyRow::momentum_drift, "1",
      "worst deviation of linear or angular momentum from its balance, over the problem's; NaN: no balance is known"},
     {"greatest_penetration", &StudyRow::greatest_penetration, "m", "greatest depth of a contact after a step"},
     {"smallest_step", &StudyRow::smallest_step, "s", "shortest step but the last"},
     {"preventing_step", &StudyRow::preventing_step, "s",
-     "where the ball tunnelled: the greatest step that stops it, from whatever phase; NaN: none was found"}};
+     "where the ball tunnelled: the greatest step (to 2 %) that stops it from each of 64 phases; NaN: none was found"}};
 inline constexpr Column<StudyRow, std::uint64_t> kStudyCounts[] = {
     {"steps", &StudyRow::steps, "1", "internal steps"},
     {"rejected_steps", &StudyRow::rejected_steps, "1", "internal steps tried and rejected"},
