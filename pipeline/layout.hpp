@@ -187,7 +187,7 @@ inline constexpr Column<StudyRow, std::string> kStudyTexts[] = {
     {"units", &StudyRow::units, "1", "SI, or scaled: integrated in units of the problem's own length, mass and time"},
     {"status", &StudyRow::status, "1",
      "finished, exception, not_finite, energy, evaluations, time, tunnelled or aborted"},
-    {"reason", &StudyRow::reason, "1", "why it did not finish"}};
+    {"reason", &StudyRow::reason, "1", "why it did not finish, or why its error is not known"}};
 /// What a case is made of; NaN where its problem has no such parameter.
 inline constexpr Column<StudyRow, double> kStudyParameters[] = {
     {"accuracy", &StudyRow::accuracy, "1", "accuracy asked of the integrator; NaN: the step is fixed"},

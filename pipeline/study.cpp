@@ -121,7 +121,13 @@ double preventing_step(const Study& study, const StudyRow& row, const Setting& s
 
 void compare(const Setting& setting, const std::vector<BodyState>& states, StudyRow& row) {
   if (!setting.reference) return;
-  const std::vector<BodyState> right = setting.reference();
+  std::vector<BodyState> right;
+  try {
+    right = setting.reference();
+  } catch (const std::range_error& error) {
+    row.reason = std::string("finished, but ") + error.what();
+    return;
+  }
   row.error = row.position_error = row.orientation_error = 0;
   for (std::size_t b = 0; b < states.size(); ++b) {
     if (setting.bodies[b].fixed) continue;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "pipeline/reference.hpp"
 
@@ -78,6 +79,12 @@ TEST(Reference, AColumnAtRestStaysUnderItsHertzianLoad) {
   const double depth = std::pow(mass * gravity / hertz_stiffness(stiffness, 1), 2. / 3.);
   const auto heights = column_heights({{mass}, {1}, {1 - depth}, {0}, stiffness, 0.1, gravity, true}, 0.5);
   EXPECT_NEAR(heights[0], 1 - depth, 1e-14);
+}
+
+TEST(Reference, AColumnThatTakesTooLongIsGivenUp) {
+  const pipeline::Column column{{4189}, {1}, {3}, {-5}, 1e8, 0.1};
+  EXPECT_THROW(column_heights(column, 1, 1000), std::range_error);
+  EXPECT_EQ(column_heights(column, 1, 100'000), column_heights(column, 1));
 }
 
 TEST(Reference, ThePendulumIsHarmonicWhenSmallAndReturnsAfterItsPeriod) {
