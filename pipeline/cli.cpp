@@ -106,7 +106,9 @@ int dispatch(int argc, const char* const* argv) {
   run_command->add_option("CONFIG", config_path, "TOML file, see configs/")->required();
   run_command->add_option("-o,--output", output, "Result file (default: results/<config name>.h5)");
   run_command->add_option("--set", sets, "Overrule a key: --set physics.accuracy=1e-4")->allow_extra_args(false);
-  run_command->add_option("--threads", options.threads, "Threads of the truth stage (0: all cores)")
+  run_command
+      ->add_option("--threads", options.threads,
+                   "Threads of the truth stage, cases of a study at a time (0: all cores)")
       ->check(CLI::Range(0, 1024));
   run_command->add_flag("--force", options.force, "Replace an existing result, discard another unfinished run");
   run_command->add_flag("--quiet", options.quiet, "No progress on stderr");
@@ -204,7 +206,8 @@ int dispatch(int argc, const char* const* argv) {
     const std::filesystem::path target = output_path(config, options);
     const Plan planned = plan(config);
     refuse_if_too_large(planned, target);
-    if (!config.study && planned.case_sets == 0) refuse_unfit(config.scene_kind->make(config).bodies, config.algorithms);
+    if (!config.study && planned.case_sets == 0)
+      refuse_unfit(config.scene_kind->make(config).bodies, config.algorithms);
     put(json ? plan_json(config, planned, target.string()) : plan_text(config, planned, target.string()));
     return kDone;
   }
