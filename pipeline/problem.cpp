@@ -354,9 +354,11 @@ void complete(StudyRow& row) {
   if (std::isnan(row.inertia)) row.inertia = 0.4 * row.mass * row.radius * row.radius;
 }
 
-ParameterRule parameter_rule(const std::string& name) {
+ParameterRule parameter_rule(const std::string& problem, const std::string& name) {
   if (name == "offset") return {.range = {.least = -1e12, .most = 1e12}};
-  if (name == "dissipation" || name == "speed") return {.range = {.least = 0, .most = 1e12}};
+  if (name == "dissipation") return {.range = {.least = 0, .most = 1e12}};
+  // Only what falls meets anything without a speed of its own.
+  if (name == "speed") return {.range = {.least = 0, .most = 1e12, .above = problem != "drop"}};
   if (name == "balls") return {.range = {.least = 1, .most = 1000}, .whole = true};
   return {.range = {.least = 0, .most = 1e30, .above = true}};
 }
