@@ -112,7 +112,7 @@ inline constexpr Column<ExtremeCase, std::uint64_t> kCaseCounts[] = {
 inline constexpr Column<ExtremeCase, std::uint8_t> kCaseFlags[] = {
     {"truth", &ExtremeCase::truth, "1", "1 when the pair meets, by which answers are scored"},
     {"truth_moved", &ExtremeCase::truth_moved, "1",
-     "1 when the surfaces meet with both bodies moved by an exactly representable step"},
+     "1 when the pair meets with both bodies moved by an exactly representable step, by the same truth"},
     {"near_touching", &ExtremeCase::near_touching, "1",
      "1 within 1000 ulps of touching, or where the truth changes within 1000 ulps: to be counted apart"}};
 inline constexpr Column<ExtremeAnswers, std::vector<std::uint8_t>> kCaseAnswerFlags[] = {
