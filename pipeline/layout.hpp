@@ -194,7 +194,7 @@ inline constexpr Column<StudyRow, double> kStudyParameters[] = {
     {"fixed_step", &StudyRow::fixed_step, "s", "length of every step; NaN: chosen by the accuracy"},
     {"nominal_order", &StudyRow::nominal_order, "1", "order of the integrator by its documentation; NaN: it varies"},
     {"duration", &StudyRow::duration, "s", "simulated time"},
-    {"greatest_step", &StudyRow::greatest_step, "s", "steps are at most of this length"},
+    {"greatest_step", &StudyRow::greatest_step, "s", "steps are at most of this length, unless fixed"},
     {"radius", &StudyRow::radius, "m", "radius of the ball"},
     {"thickness", &StudyRow::thickness, "m", "thickness of the plate"},
     {"offset", &StudyRow::offset, "m", "everything is moved so far along x, y and z"},

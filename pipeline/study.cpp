@@ -124,7 +124,7 @@ void compare(const Setting& setting, const std::vector<BodyState>& states, Study
   std::vector<BodyState> right;
   try {
     right = setting.reference();
-  } catch (const std::range_error& error) {
+  } catch (const std::exception& error) {
     row.reason = std::string("finished, but ") + error.what();
     return;
   }
@@ -225,7 +225,7 @@ std::vector<StudyRow> study_rows(const Study& study, const std::vector<StudyRow>
 
   // The child stops itself, after the integration, a search for the preventing step and its last integration, and the
   // reference at the latest; from outside it is stopped only where it hangs.
-  const ChildLimits limits{3 * study.processor_time + 30, kWallPerProcessor * (study.processor_time + 1)};
+  const ChildLimits limits{3 * study.processor_time + 15, kWallPerProcessor * (study.processor_time + 1)};
   in_children(
       missing.size(), processes, limits, [&](std::size_t i) { return bytes_of(study_row(study, cases[missing[i]])); },
       [&](std::size_t i, const std::string& bytes, const std::string& failure) {
