@@ -1,6 +1,9 @@
-// The knobs that the methods on sampled facets share (thesis 4.1).
+// The knobs that the methods on sampled facets share (thesis 4.1), and the points that they choose.
 #pragma once
+#include <vector>
+
 #include "algorithms/algorithm.hpp"
+#include "geometry/facets.hpp"
 
 namespace algorithms {
 
@@ -36,6 +39,28 @@ inline Knob densify_knob() {
           .preset = false,
           .unit = "1",
           .what = "cut the facets of a mesh that has fewer than 8 per m^2 of its box"};
+}
+
+/// The points that `stride` and `densify` choose: one entry per mesh, in its own frame.
+inline std::vector<geometry::Points> sampled_points(const Bodies& bodies, const Knobs& knobs) {
+  const auto stride = static_cast<std::size_t>(value_of<std::int64_t>(knobs, "stride"));
+  std::vector<geometry::Points> local;
+  for (const geometry::Mesh& mesh : bodies.meshes)
+    local.push_back(geometry::sampled_points(mesh, stride, value_of<bool>(knobs, "densify")));
+  return local;
+}
+
+/// The same, inflated.
+inline std::vector<geometry::Points> inflated_points(const Bodies& bodies, const Knobs& knobs) {
+  std::vector<geometry::Points> local = sampled_points(bodies, knobs);
+  for (geometry::Points& points : local)
+    points = geometry::inflated(std::move(points), value_of<double>(knobs, "inflate"));
+  return local;
+}
+
+inline geometry::Triangulation triangulation(const Knobs& knobs) {
+  return value_of<std::string>(knobs, "triangles") == "strip" ? geometry::Triangulation::strip
+                                                              : geometry::Triangulation::disjoint;
 }
 
 }  // namespace algorithms

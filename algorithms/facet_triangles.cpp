@@ -24,30 +24,18 @@ using geometry::Points;
 using geometry::eleven_axes::dot;
 
 struct FacetTriangles {
-  FacetTriangles(const Bodies& bodies, const Knobs& knobs) : placed(bodies, local_points(bodies, knobs)) {
-    const auto kind = value_of<std::string>(knobs, "triangles") == "strip" ? geometry::Triangulation::strip
-                                                                           : geometry::Triangulation::disjoint;
+  FacetTriangles(const Bodies& bodies, const Knobs& knobs) : placed(bodies, inflated_points(bodies, knobs)) {
     ball.resize(bodies.size());
     triangles.resize(bodies.size());
     normal_length.resize(bodies.size());
     std::size_t most = 0;
     for (std::uint32_t body = 0; body < bodies.size(); ++body) {
-      first.push_back(geometry::sampled_triangles(placed[body].size(), kind));
+      first.push_back(geometry::sampled_triangles(placed[body].size(), triangulation(knobs)));
       triangles[body].resize(first[body].size());
       normal_length[body].resize(first[body].size());
       most = std::max(most, first[body].size());
     }
     near_b.reserve(most);
-  }
-
-  static std::vector<Points> local_points(const Bodies& bodies, const Knobs& knobs) {
-    std::vector<Points> local;
-    for (const geometry::Mesh& mesh : bodies.meshes)
-      local.push_back(geometry::inflated(
-          geometry::sampled_points(mesh, static_cast<std::size_t>(value_of<std::int64_t>(knobs, "stride")),
-                                   value_of<bool>(knobs, "densify")),
-          value_of<double>(knobs, "inflate")));
-    return local;
   }
 
   void prepare(std::span<const Pose> poses, double) { placed.prepare(poses); }

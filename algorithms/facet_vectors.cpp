@@ -61,16 +61,8 @@ PROCESSOR_CLONES bool any_short(double from, const double* to, std::size_t size,
 
 struct FacetVectors {
   FacetVectors(const Bodies& bodies, const Knobs& knobs)
-      : max_third(value_of<double>(knobs, "max_third")), placed(bodies, local_points(bodies, knobs)) {
+      : max_third(value_of<double>(knobs, "max_third")), placed(bodies, sampled_points(bodies, knobs)) {
     extent.resize(bodies.size());
-  }
-
-  static std::vector<Points> local_points(const Bodies& bodies, const Knobs& knobs) {
-    std::vector<Points> local;
-    for (const geometry::Mesh& mesh : bodies.meshes)
-      local.push_back(geometry::sampled_points(mesh, static_cast<std::size_t>(value_of<std::int64_t>(knobs, "stride")),
-                                               value_of<bool>(knobs, "densify")));
-    return local;
   }
 
   void prepare(std::span<const Pose> poses, double) { placed.prepare(poses); }

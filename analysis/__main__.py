@@ -7,7 +7,7 @@ the file, 4 a file that is missing, not a result or cannot be written.
 import argparse
 import sys
 
-from analysis import scenes, studies, viewer
+from analysis import scenes, study_tables, viewer
 from analysis.load import load
 from analysis.output import refuse, write
 from analysis.statements import shown, verdicts
@@ -27,7 +27,7 @@ def main(arguments=None):
     command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output))
     command = commands.add_parser("study", help="orders, stability and recommendation of a study; drift of a long run")
     command.add_argument("file", help="result of a study of integrators, or of an integrated scene")
-    command.set_defaults(act=lambda chosen: print(studies.text(load(chosen.file))))
+    command.set_defaults(act=lambda chosen: print(studied(chosen.file)))
     viewer.add_command(commands)
     chosen = parser.parse_args(arguments)
     try:
@@ -52,11 +52,20 @@ def write_report(paths, output):
     print(output)
 
 
+def studied(path):
+    """What the study or the long motion at `path` says. Raises as read()."""
+    run = read(path)
+    try:
+        return study_tables.text(run)
+    except KeyError as error:  # a column
+        raise OSError(f"{path}: is damaged ({error})") from error
+
+
 def read(path):
     """The result at `path`, its tables read, so that damage is found here; raises as load() does."""
     run = load(path)
     try:
-        run.summary, run.per_step, run.physics, run.truth_hits
+        run.summary, run.per_step, run.physics, run.truth_hits, run.extremes, run.study
     except (OSError, KeyError, ValueError, RuntimeError) as error:
         text = str(error.args[0] if error.args else error)
         raise OSError(text if text.startswith(path) else f"{path}: is damaged ({text})") from error

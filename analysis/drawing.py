@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.ticker import EngFormatter, LogLocator
 
 from analysis import pareto
+from analysis.studies import simulated
 
 MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
 BINS = 150  # points of a line over steps: more are closer than a line is wide
@@ -74,13 +75,6 @@ def steps_of(run):
     there = (first >= 0) & (first <= np.arange(steps)[:, None])
     truth = column["true_positive"][:, 0] + column["false_negative"][:, 0]
     return Steps(labels, column["time_ns"], column["hits"], truth, there.sum(axis=1))
-
-
-def simulated(run):
-    """How many steps there are before an integration failed."""
-    if run.physics is None or run.physics.attrs["status"] == "complete":
-        return run.meta["steps"]
-    return int(run.physics.energy.notna().cumprod().sum())
 
 
 def cut(run):

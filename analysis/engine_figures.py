@@ -115,7 +115,7 @@ def parts_of_a_step(run, kind, key):
         f"Collision time ({label}) varies {'less' if calmer else 'no less'} than physics time, "
         f"{'as in' if calmer else 'unlike in'} the thesis: its 5th to 95th percentile spans "
         f"{digits(collision['spread / median'])} times the median, that of physics {digits(whole['spread / median'])} "
-        f"times; physics take {digits(whole['mean ns'] / collision['mean ns'])} times as long"
+        f"times; physics takes {digits(whole['mean ns'] / collision['mean ns'])} times as long"
     )
     what = (
         "Collision: Cannon's phases in C++ on all pairs of a step; physics: Simbody's integration since the step "

@@ -28,14 +28,17 @@ def error_by_gap(run):
     return table.sort_values([*KEY, "gap"]).set_index([*KEY, "gap_class"])
 
 
-def error_by_offset(run):
-    """Error by offset (m). Rows: algorithm, near_touching, offset. Columns as error_by_gap, without gap."""
-    return counted(answered(run), "offset")
+def error_by_offset(run, like=False):
+    """Error by offset (m). Rows: algorithm, near_touching, offset. Columns as error_by_gap, without gap.
+
+    like: whether only of alike() cases; of all of them, great offsets have great scales, and do not compare.
+    """
+    return counted(alike(answered(run), "offset") if like else answered(run), "offset")
 
 
-def error_by_scale(run):
-    """Error by scale (m). Rows: algorithm, near_touching, scale. Columns as error_by_gap, without gap."""
-    return counted(answered(run), "scale")
+def error_by_scale(run, like=False):
+    """Error by scale (m). Rows: algorithm, near_touching, scale. Columns and `like` as error_by_offset."""
+    return counted(alike(answered(run), "scale") if like else answered(run), "scale")
 
 
 def error_by_shape(run):
@@ -63,6 +66,13 @@ def instability(run):
     table = table.groupby([cases[key] for key in KEY], observed=True, sort=False).sum().sort_index()
     reason = dict(zip(run.meta["algorithms"], run.failures))
     return table.assign(failure=[reason[label] for label in table.index.get_level_values("algorithm")])
+
+
+def alike(cases, key):
+    """Those of `cases` whose pair, class of gap, offset and scale, as far as they are not `key`, are there at every
+    value of `key`: what differs between its values is then its doing. None where nothing is there at all of them."""
+    others = [name for name in ("pair", "gap_class", "offset", "scale", "near_touching") if name != key]
+    return cases[cases.groupby(others, observed=True)[key].transform("nunique") == cases[key].nunique()]
 
 
 def answered(run):

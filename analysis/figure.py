@@ -29,6 +29,8 @@ PALETTE = {
     "grey": "#767676",
 }
 
+MISSED, INVENTED = PALETTE["vermilion"], PALETTE["blue"]  # the two kinds of error, here as in the viewer
+
 WIDTH = 6.0  # inches; at 9.5 points text is read on a phone, where the figure is about 340 pixels wide
 HEIGHT = 4.0
 

@@ -9,8 +9,8 @@ import numpy as np
 from analysis import extremes, extremes_figures, pareto, studies, study_tables
 from analysis.drawing import NotDrawn, listed, plain, time_text
 from analysis.figure import Points, Section
-from analysis.plots_error import number
-from analysis.study_figures import FAILED, OTHERWISE, drift_words, follow_text, heads_of, steady
+from analysis.plots_error import counted, number
+from analysis.study_figures import FAILED, OTHERWISE, causes, drift_words, follow_text, heads_of, steady
 
 
 def section(runs):
@@ -35,7 +35,7 @@ def study(run, runs=()):
     """Findings of a study of integrators; runs: what stands beside it in the report."""
     if run.study is None:
         return []
-    table = study_tables.study_of(run)
+    table = studies.study(run)
     if table.empty:
         return ["The study has no cases."]
     return [*ended(table), *precision(run), *converged(run), *held(run), *recommended(run, runs), *went_wrong(run)]
@@ -44,10 +44,8 @@ def study(run, runs=()):
 def ended(table):
     lost = table[~table["finished"]]
     if lost.empty:
-        return [f"All {number(len(table))} cases finished."]
-    why = lost["status"].value_counts()
-    words = [f"{count} {(FAILED.get(status) or OTHERWISE)[1]}" for status, count in why.items()]
-    return [f"{len(lost)} of {number(len(table))} cases did not finish: {listed(words)}."]
+        return [f"All {number(len(table))} cases finished." if len(table) > 1 else "The only case finished."]
+    return [f"{number(len(lost))} of {counted(len(table), 'case')} did not finish: {causes(lost)}."]
 
 
 def precision(run):
@@ -56,10 +54,11 @@ def precision(run):
     for threshold, rows in best.groupby("threshold", sort=False):
         reached = rows[rows["integrator"] != ""]
         if reached.empty:
-            found.append(f"No integrator brings the error below {short(threshold)} on any of {len(rows)} problems within its budget.")
+            found.append(f"No integrator brings the error below {short(threshold)} on any of {counted(len(rows), 'problem')} within its budget.")
             continue
-        each = [f"{name} on {listed(mine['problem'].str.replace('_', ' '))} ({costs(mine)})" for name, mine in reached.groupby("integrator", sort=False)]
-        text = f"For an error below {short(threshold)} the fewest force evaluations need {'; '.join(each)}"
+        where = reached["problem"].str.replace("_", " ") + np.where(reached["apart"], " (fixed step)", "")
+        each = [f"{name} on {listed(where[mine.index])} ({costs(mine)})" for name, mine in reached.groupby("integrator", sort=False)]
+        text = f"For an error below {short(threshold)} the fewest force evaluations are those of {'; '.join(each)}"
         none = rows["problem"][rows["integrator"] == ""].str.replace("_", " ")
         found.append(f"{text}{f'; nobody reaches it on {listed(none)}' if len(none) else ''}.")
     return found
@@ -114,13 +113,13 @@ def held(run):
         gained = mine[mine["finished"] & (mine["energy_error"] > 1)]
         for name, some in gained.groupby("integrator", sort=False):
             worst = some.loc[some["energy_error"].idxmax()]
-            found.append(f"On the {problem} {name} finishes silently with {worst['energy_error'] + 1:.3g} times the energy at {factor.replace('_', ' ')} {short(worst['value'])} {unit}".rstrip() + ".")
+            found.append(f"On the {problem} {name} gains {worst['energy_error']:.3g} times the problem's energy and finishes all the same at {factor.replace('_', ' ')} {short(worst['value'])} {unit}".rstrip() + ".")
     return found
 
 
 def recommended(run, runs):
-    maps, _, _ = study_tables.parts(study_tables.study_of(run))
-    if not any(study_tables.varied(rows) == ["stiffness"] for _, rows in maps):
+    maps, _, _ = study_tables.parts(studies.study(run))
+    if not any(studies.varied(rows) == ["stiffness"] for _, rows in maps):
         return []
     found = []
     others = study_tables.followed(run, [other for other in runs if other is not run])
@@ -132,7 +131,7 @@ def recommended(run, runs):
             row = best.iloc[0]
             found.append(
                 f"Recommended near {stiffness:g} Pa: {row['integrator']} at {row['setting']}; it finishes all {row['of']} cases within {100 * study_tables.BOUND:g} % of the energy "
-                f"(worst {row['worst_energy_error']:+.2%}) with {number(int(row['force_evaluations']))} force evaluations; {cheap_text(table)}."
+                f"(worst {100 * row['worst_energy_error']:+.2g} %) with {number(int(row['force_evaluations']))} force evaluations; {cheap_text(table)}."
             )  # fmt: skip
         elif len(table):
             whole = table[table["cases"] == table["of"]]
@@ -163,10 +162,10 @@ def went_wrong(run):
         steps = mine["preventing_step"].dropna()
         text = f"A ball at {speed:g} m/s against a plate of {thickness:g} m and {stiffness:g} Pa"
         if steps.empty:
-            found.append(f"{text}: no step was found that stops it, with any of {len(mine)} integrators.")
+            found.append(f"{text}: no step was found that stops it, with any of {counted(len(mine), 'integrator')}.")
         else:
             low, high = f"{steps.min():.2g}", f"{steps.max():.2g}"
-            found.append(f"{text} is stopped by steps of at most {low if low == high else f'{low} to {high}'} s, with {len(steps)} of {len(mine)} integrators.")
+            found.append(f"{text} is stopped by steps of at most {low if low == high else f'{low} to {high}'} s, with {len(steps)} of {counted(len(mine), 'integrator')}.")
     return found
 
 
@@ -174,12 +173,14 @@ def outcome(rows):
     """How one case went with the integrators that had it."""
     good = study_tables.holds(rows, 0.1)
     if good.all():
-        return f"goes well with all {len(rows)} integrators (finished, energy within 10 %)"
+        who = f"all {len(rows)} integrators" if len(rows) > 1 else rows["integrator"].iloc[0]
+        return f"goes well with {who} (finished, energy within 10 %)"
     words = []
     for status, some in rows[~good].groupby("status", sort=False):
         what = "energy off by more than 10 %" if status == "finished" else (FAILED.get(status) or OTHERWISE)[1]
-        words.append(f"{what} with {listed(some['integrator']) if len(some) < len(rows) else 'all'}")
-    return f"goes wrong with {len(rows) - good.sum()} of {len(rows)} integrators: {'; '.join(words)}"
+        names = [row.integrator + (f" (its step is {row.own_step:g} s)" if row.own_step == row.own_step else "") for row in some.itertuples()]
+        words.append(f"{what} with {listed(names) if len(some) < len(rows) or len(rows) == 1 else 'all'}")
+    return f"goes wrong with {len(rows) - good.sum()} of {counted(len(rows), 'integrator')}: {'; '.join(words)}"
 
 
 # ---- Answers, drift, scenes -------------------------------------------------------------------------------------------
@@ -199,10 +200,11 @@ def answers(run):
             continue
         right = list(said.index[said["wrong"] == 0])
         if right:
-            found.append(f"{listed(right)} {'is' if len(right) == 1 else 'are'} never wrong in {number(int(mine['cases'].max()))} cases {where}.")
+            names = [f"{name}{judged(said.loc[name])}" for name in right]
+            found.append(f"{listed(names)} {'is' if len(right) == 1 else 'are'} never wrong in {counted(int(mine['cases'].max()), 'case')} {where}.")
         wrong = said[said["wrong"] > 0].sort_values("wrong", kind="stable")
         if len(wrong):
-            each = [f"{name} {row['wrong']:.2%} ({number(int(row['missed']))} missed, {number(int(row['invented']))} invented)" for name, row in wrong.iterrows()]
+            each = [f"{name} {100 * row['wrong']:.2f} %{judged(row)} ({number(int(row['missed']))} missed, {number(int(row['invented']))} invented)" for name, row in wrong.iterrows()]
             found.append(f"Wrong {where}: {'; '.join(each)}.")
     shaky = extremes.instability(run)
     total = shaky.groupby("algorithm", observed=True)[["cases", "swapped", "moved", "failed"]].sum()
@@ -211,8 +213,8 @@ def answers(run):
         if len(who):
             each = [f"{name} {number(int(row[column]))} of {number(int(row['cases']))}" for name, row in who.iterrows()]
             found.append(f"Answers that change {what}: {'; '.join(each)}.")
-        else:
-            found.append(f"No answer changes {what}, of {len(total)} algorithms.")
+        elif (total["cases"] > 0).any():
+            found.append(f"No answer changes {what}, of {counted(int((total['cases'] > 0).sum()), 'algorithm')}.")
     first = shaky.groupby("algorithm", observed=True)["failure"].first()
     for name, row in total[total["failed"] > 0].iterrows():
         cases = int(row["cases"] + row["failed"])
@@ -222,14 +224,21 @@ def answers(run):
     return found
 
 
+def judged(row):
+    """Of how many cases alone a share is, where an algorithm failed in the others."""
+    return f" of the {number(int(row['cases'] - row['failed']))} it answers" if row["failed"] else ""
+
+
 def drift(run):
     """Findings of a long integrated motion: energy, norms, depth and escapes, as far as they are recorded."""
     if run.physics is None or run.meta["steps"] < 2:
         return []
-    table, seconds, found = study_tables.drift_steps(run), 0.0, []
-    seconds = table["time"].iloc[-1]
+    table, reached, found = study_tables.drift_steps(run), studies.simulated(run), []
     if table.attrs["status"] != "complete":
-        found.append(f"The integration {table.attrs['status'].rstrip('.')}; {int(table['energy'].notna().cumprod().sum())} of {number(len(table))} steps were reached.")
+        found.append(f"The integration {table.attrs['status'].rstrip('.')}; {reached} of {number(len(table))} steps were reached.")
+    if reached < 2:
+        return found
+    seconds = table["time"].iloc[reached - 1]
     change = table["energy_change"].dropna()
     if table.attrs["lossless"] and len(change):
         worst = change.abs().max()
@@ -237,7 +246,9 @@ def drift(run):
                      f"{'within' if worst <= studies.SOUND else 'more than'} {100 * studies.SOUND:g} %.")  # fmt: skip
     if "greatest_penetration" in table and table["greatest_penetration"].notna().any():
         deepest = table["greatest_penetration"].idxmax()
-        found.append(f"Over {seconds:.4g} s bodies sink into each other by {table['greatest_penetration'][deepest]:.3g} m at most, at {table['time'][deepest]:.4g} s.")
+        depth = table["greatest_penetration"][deepest]
+        found.append(f"Over {seconds:.4g} s bodies sink into each other by {depth:.3g} m at most, at {table['time'][deepest]:.4g} s." if depth > 0
+                     else f"Over {seconds:.4g} s no body sinks into another.")  # fmt: skip
     more = drift_words(run)
     return found + ([f"{more[:1].upper()}{more[1:]} over {seconds:.4g} s."] if more else [])
 

@@ -6,6 +6,7 @@ from matplotlib.textpath import text_to_path
 
 DISTANCES = (4, 8, 13, 19, 27, 36, 48, 62, 80)  # from the mark's edge, points
 ANGLES = np.deg2rad([0, 180, 90, 270, 30, 150, 330, 210, 60, 120, 300, 240, 15, 165, 345, 195])
+CLEAR = np.array([-2, -2, 2, 2])  # points: a line that comes nearer to a label than this touches it
 LEADER = 12  # points: farther labels get a line to their mark
 
 
@@ -53,7 +54,7 @@ def place(named, sizes, region, marks, radii, segments):
             gaps = np.hypot(*np.moveaxis(_gap(candidates, marks[others]), 2, 0)).min(axis=1, initial=np.inf)
             own = np.hypot(*_gap(candidates, anchors[label : label + 1])[:, 0].T)
             price = distance + 2.5 * np.maximum(0, own + 2 - gaps)  # nearer to a stranger's mark than to its own
-            price += 6 * _crosses(candidates, segments).sum(axis=1) + 15 * through
+            price += 6 * _crosses(candidates + CLEAR, segments).sum(axis=1) + 15 * through
             price = np.where(covered, np.inf, price)
             best = int(np.argmin(price))
             if np.isfinite(price[best]):

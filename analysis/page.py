@@ -14,6 +14,7 @@ LONG = 40  # characters: texts that are given room to be read in lines
 SHORT = 26  # characters: texts that do not break
 LONG_HEAD = 28  # characters: heads of rows that may break
 TALL = 60  # rows: longer tables scroll within themselves
+SMALL = 9  # points: a picture with smaller text is not shrunk to a phone's width, it scrolls within itself
 
 
 def page(title, lead, warnings, sections):
@@ -73,12 +74,13 @@ def _section(key, section):
 def _part(part):
     if isinstance(part, Figure):
         title = html.escape(part.title.removesuffix("."))
-        rows = table(part.table, part.title)
+        rows, count = table(part.table, part.title), len(part.table)
+        kind = "picture dense" if dense(part.svg) else "picture"
         return (
             f'<figure id="{html.escape(part.key)}"><h3>{title}</h3>\n'
-            f'<div class="picture" role="img" aria-label="{title}">{part.svg}</div>\n'
+            f'<div class="{kind}" role="img" aria-label="{title}">{part.svg}</div>\n'
             f"<figcaption>{html.escape(part.caption)}</figcaption>\n"
-            f"<details><summary>The numbers ({len(part.table)} rows)</summary>{rows}</details></figure>"
+            f"<details><summary>The numbers ({count} row{'s' * (count != 1)})</summary>{rows}</details></figure>"
         )
     if isinstance(part, Points):
         items = "".join(f"<li>{html.escape(text)}</li>" for text in part.items)
@@ -92,6 +94,11 @@ def _part(part):
         title, text = html.escape(part.title), html.escape(part.text)
         return f"<details class=text><summary>{title}</summary><pre>{text}</pre></details>"
     return f"<p>{html.escape(part)}</p>"
+
+
+def dense(svg):
+    """Whether a picture has text that a phone would make too small to be read."""
+    return any(float(size) < SMALL for size in re.findall(r"font: (?:\w+ )*([\d.]+)px", svg))
 
 
 def table(frame, title):

@@ -6,7 +6,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from analysis import labels, pareto
-from analysis.figure import Figure, figure, style, svg_of
+from analysis.drawing import shortened
+from analysis.figure import INVENTED, MISSED, Figure, figure, style, svg_of
 
 NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
 HEIGHT = 4.7  # inches, without the legend
@@ -35,6 +36,11 @@ def number(value):
     if abs(value) >= 999.5:
         return f"{value:,.0f}".replace(",", "\u202f" if abs(value) >= 9999.5 else "")
     return f"{value:.3g}"
+
+
+def counted(count, noun, plural=""):
+    """1 case, 2 cases."""
+    return f"{number(count)} {noun if count == 1 else plural or noun + 's'}"
 
 
 def against(scene, points, cost, key, apart=""):
@@ -98,26 +104,26 @@ def kinds(scene, key):
         else f" The {NAMED} with the smallest error of {len(table)} are drawn, all are below."
     )
     caption = (
-        f"{scene.title}: {len(table)} labels, the smallest error first; {number(met)} pairs truly meet over all"
-        f" steps.{rest}"
+        f"{scene.title}: {counted(len(table), 'label')}, the smallest error first; {number(met)} pairs truly meet over"
+        f" all steps.{rest}"
     )
     missed = drawn["missed (% of what meets)"] if met else drawn["false negatives"]
     invented = drawn["invented (per pair that meets)"] if met else drawn["false positives"]
     fig, (left, right) = figure(1, 2, height=0.75 + 0.2 * max(len(drawn), 3), sharey=True)
     rows = np.arange(len(drawn))[::-1]
     for axes, values, colour, words in (
-        (left, missed, "#D55E00", "missed, % of what meets" if met else "missed"),
-        (right, invented, "#0072B2", "invented per pair that meets" if met else "invented"),
+        (left, missed, MISSED, "missed, % of what meets" if met else "missed"),
+        (right, invented, INVENTED, "invented per pair that meets" if met else "invented"),
     ):
         axes.barh(rows, values, color=colour, height=0.72)
         axes.set_xlabel(words)
         axes.grid(axis="y", visible=False)
-        axes.set_xlim(0, max(values.max(), 1e-9) * 1.22)
+        axes.set_xlim(0, (values.max() or 1) * 1.22)
         for row, value in zip(rows, values):
-            axes.text(value, row, f" {number(value)}", va="center", fontsize=8, color="#111111" if value else "#767676")
+            axes.text(value, row, f" {number(value)}", va="center", fontsize=9, color="#111111" if value else "#767676")
         axes.tick_params(axis="y", length=0)
         axes.locator_params(axis="x", nbins=4)
-    left.set_yticks(rows, drawn.label, fontsize=8.5)
+    left.set_yticks(rows, map(shortened, drawn.label))
     left.set_ylim(-0.6, len(drawn) - 0.4)
     return Figure(_kinds_finding(points, met), svg_of(fig), caption, table, key)
 
@@ -148,7 +154,8 @@ def _caption(scene, points, cost):
     commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
     hits = int(run.truth_hits.sum())
     return (
-        f"{scene.title}: {len(points)} labels, {number(run.meta['steps'])} steps, {len(run.meta['bodies'])} bodies,"
+        f"{scene.title}: {counted(len(points), 'label')}, {counted(run.meta['steps'], 'step')},"
+        f" {counted(len(run.meta['bodies']), 'body', 'bodies')},"
         f" {number(hits)} pairs truly meet over all steps. Down and to the left is better; the dashed line is the"
         f" Pareto front: nothing below it is cheaper. {what if cost == 'time_mean_ns' else units} Configuration"
         f" {configs}, motion and truth of commit {commits}. " + (machines if cost == "time_mean_ns" else "")
@@ -304,15 +311,21 @@ def _fixed(limits, least):
 
 
 def _line(axes, points, cost, algorithm, rows, dashes, width):
-    """Draws a line through rows with an error; gives its segments in data."""
+    """Draws a line through rows with an error; gives its segments in pixels."""
     rows = [row for row in rows if points.error[row] > 0]
     x, y = points[cost][rows].to_numpy(), points.error[rows].to_numpy()
-    axes.plot(x, y, color=style(algorithm)["color"], linestyle=dashes, linewidth=width, alpha=0.75, zorder=2)
-    return [(x[i], y[i], x[i + 1], y[i + 1]) for i in range(len(rows) - 1)]
+    return _stroke(axes, x, y, color=style(algorithm)["color"], linestyle=dashes, linewidth=width, alpha=0.75, zorder=2)
+
+
+def _stroke(axes, x, y, **look):
+    """Draws a line; gives its segments (x0, y0, x1, y1) in pixels, for labels to keep away from."""
+    axes.plot(x, y, **look)
+    at = axes.transData.transform(np.column_stack([x, y])) if len(x) else []
+    return [(*start, *end) for start, end in zip(at, at[1:])]
 
 
 def _front(main, strip, points, cost):
-    """Draws the staircase through the points of the front; gives its segments in data of `main`."""
+    """Draws the staircase through the points of the front; gives its segments in pixels."""
     drawn = []
     worth = points[points.front].sort_values([cost, "error"], ascending=[True, False]) if len(points) else points
     look = {"color": "#333333", "linewidth": 1, "linestyle": (0, (4, 2)), "zorder": 1}
@@ -324,11 +337,11 @@ def _front(main, strip, points, cost):
         x, y = above[cost].to_numpy(), above.error.to_numpy()
         x = [x[0], x[0], *np.repeat(x[1:], 2), last]
         y = [main.get_ylim()[1], *np.repeat(y[:-1], 2), y[-1], y[-1]]
-        main.plot(x, y, **look)
-        drawn = list(zip(x[:-1], y[:-1], x[1:], y[1:]))
+        drawn += _stroke(main, x, y, **look)
     if len(free):
-        main.plot([last, last], [main.get_ylim()[0], above.error.min() if len(above) else main.get_ylim()[1]], **look)
-        strip.plot([last, last, end], [1, 0, 0], **look)
+        top = above.error.min() if len(above) else main.get_ylim()[1]
+        drawn += _stroke(main, [last, last], [main.get_ylim()[0], top], **look)
+        drawn += _stroke(strip, [last, last, end], [1, 0, 0], **look)
     return drawn
 
 
@@ -345,14 +358,13 @@ def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
         (strip if error == 0 else main).transData.transform((x, error)) for x, error in zip(points[cost], points.error)
     ]
     pixels = np.array(places)
-    segments = [(*main.transData.transform(s[:2]), *main.transData.transform(s[2:])) for s in drawn]
     rows = sorted(named, key=lambda row: (not points.front[row], row))
     weights = ["bold" if points.front[row] else "normal" for row in rows]
     sizes = np.array([labels.size(points.label[row], TEXT, weight) for row, weight in zip(rows, weights)])
     box, under = main.get_window_extent(), strip.get_window_extent()
     region = (box.x0 + 2, under.y0 + 1, box.x1 + 6, box.y1 + 4)
     radii = (4.0 if crowded else 5.0) + 2.5 * points.exact.to_numpy() + 2.5 * points.library.to_numpy()
-    corners = labels.place(rows, sizes, region, pixels, radii, segments)
+    corners = labels.place(rows, sizes, region, pixels, radii, drawn)
     to_figure = fig.transFigure.inverted()
     for row, corner, extent, weight in zip(rows, corners, sizes, weights):
         if np.isnan(corner).any():

@@ -7,7 +7,7 @@ import pandas as pd
 from analysis import extremes_figures, findings, pareto, plots_error, study_figures, thesis_figures
 from analysis.figure import Section, Table, Text
 from analysis.page import page
-from analysis.plots_error import number
+from analysis.plots_error import counted, number
 
 SUMMARY = {  # column of the summary -> its head
     "error": "error",
@@ -84,11 +84,11 @@ def is_study(run):
 
 def lead(runs, found):
     """What was run, in a line each."""
-    labels = sum(len(scene.points) for scene in found)
-    lines = []
+    tests = {(p.algorithm, json.dumps(p.knobs, sort_keys=True)) for scene in found for p in scene.points.itertuples()}
+    labels, lines = len(tests), []
     if labels or not any(map(is_study, runs)):
         lines.append(
-            f"How often {labels} approximate collision test{'s' * (labels != 1)} between triangle meshes err"
+            f"How often {counted(labels, 'collision test')} between triangle meshes err"
             f"{'s' * (labels == 1)}, judged by exact answers, and what {'they cost' if labels != 1 else 'it costs'}."
         )
     if any(map(is_study, runs)):
@@ -100,9 +100,10 @@ def lead(runs, found):
         meta = run.meta
         machine = " on ".join(filter(None, (meta["run"].get("processor"), meta["run"].get("host"))))
         made = f"{meta.get('build_type', '')} build of commit {meta.get('git_commit', '?')[:7]}"
-        what = f"{number(meta['steps'])} steps of {len(meta['bodies'])} bodies, {len(meta['algorithms'])} labels"
+        what = (f"{counted(meta['steps'], 'step')} of {counted(len(meta['bodies']), 'body', 'bodies')},"
+                f" {counted(len(meta['algorithms']), 'label')}")  # fmt: skip
         if is_study(run):
-            what = f"{number(len(run.study))} cases of {run.study['integrator'].nunique()} integrators"
+            what = f"{counted(len(run.study), 'case')} of {counted(run.study['integrator'].nunique(), 'integrator')}"
         title = f"{pareto.title(run)} ({pareto.name(run)}): {what}"
         lines.append(", ".join(filter(None, (title, made, machine, meta["run"].get("date", "")[:10]))))
     return lines
@@ -142,6 +143,13 @@ def warnings(runs, found):
             lines.append(f"{name}: has no truth to judge answers by.")
         elif run.truth_hits.sum() == 0:
             lines.append(f"{name}: no two bodies ever meet; whatever is reported is false, and recall says nothing.")
+        if is_extremes(run):
+            lost = run.extremes.groupby("algorithm", observed=True)["failed"].sum()
+            lines += [
+                f"{name}: {label} failed in {number(int(count))} of {number(meta['steps'])} cases; the summary, and"
+                " errors against time and operations, count them as reporting nothing."
+                for label, count in lost[lost > 0].items()
+            ]
         if "promise_kept" in run.summary:
             broken = list(run.summary.index[~run.summary.promise_kept])
             if broken:
@@ -220,8 +228,8 @@ def summary(runs, found):
             timed = f"Timed on {timed}. Times of different letters do not compare."
         hits = number(int(scene.runs[0].truth_hits.sum()))
         caption = (
-            f"{len(points)} labels; counts are sums over {number(scene.runs[0].meta['steps'])} steps, in which"
-            f" {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. {timed}"
+            f"{counted(len(points), 'label')}; counts are sums over {counted(scene.runs[0].meta['steps'], 'step')}, in"
+            f" which {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. {timed}"
         )
         parts.append(Table(scene.title, frame, caption))
         knobs = [
@@ -230,7 +238,7 @@ def summary(runs, found):
         lines = "\n".join(
             f"{label}: {algorithm}, knobs {text}, operations are {unit}" for label, algorithm, text, unit in knobs
         )
-        parts.append(Text(f"Settings of the {len(points)} labels", lines))
+        parts.append(Text(f"Settings of {counted(len(points), 'label')}", lines))
     return Section("Summary", parts or ["No file has a summary of algorithms."])
 
 
@@ -255,7 +263,10 @@ def provenance(runs):
     frame = frame.fillna("")
     frame = frame[(frame != "").any(axis=1)]
     frame.index.name = "file"
-    caption = "The digest covers everything but times and names of machines: equal digests are equal results."
+    caption = (
+        "The digest covers everything but times and names of machines: equal digests are equal results. It stands here"
+        " as the file has it; pipeline show computes it anew and refuses a file whose content differs."
+    )
     texts = [
         Text(f"Configuration of {pareto.name(run)}, after defaults and --set", run.meta["config_effective"])
         for run in runs

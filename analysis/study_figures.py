@@ -10,7 +10,7 @@ from analysis import pareto, studies, study_tables
 from analysis.drawing import BINS, guarded, listed
 from analysis.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
 from analysis.page import slug
-from analysis.plots_error import number
+from analysis.plots_error import counted, number
 
 # The families have colours, their members markers and lines; the same in every figure.
 INTEGRATORS = {
@@ -61,7 +61,7 @@ def sections(runs, beside=None):
 def study_parts(run, runs, key):
     """Whatever the file has of: precision figures, orders, maps, recommendation, extremes."""
     try:
-        study = study_tables.study_of(run)
+        study = studies.study(run)
         maps, precision, rest = study_tables.parts(study)
     except (KeyError, ValueError) as error:
         return [f"The study cannot be read: {error}."]
@@ -73,7 +73,7 @@ def study_parts(run, runs, key):
             found.append(guarded("Error against cost", precision_figure, run, cost, f"{key}-{cost.replace('_', '-')}"))
         found.append(guarded("Error against the step", order_figure, run, f"{key}-order"))
         found.append(guarded("Orders", orders_table, run))
-    stiff = [name for name, rows in maps if study_tables.varied(rows) == ["stiffness"]]
+    stiff = [name for name, rows in maps if studies.varied(rows) == ["stiffness"]]
     for name in stiff:
         found.append(guarded("The stability map", map_figure, run, name, f"{key}-map-{slug(name)}"))
     others = [name for name, _ in maps if name not in stiff]
@@ -89,10 +89,15 @@ def study_parts(run, runs, key):
 
 def unfinished(study):
     lost = study[~study["finished"]]
-    words = [f"{len(rows)} {(FAILED.get(status) or OTHERWISE)[1] if status != 'not run' else 'not run'}"
-             for status, rows in lost.groupby("status", sort=False)]  # fmt: skip
-    text = f"{number(len(study))} cases of {study['integrator'].nunique()} integrators on {study['problem'].nunique()} problems"
-    return f"{text}; {len(lost)} did not finish: {listed(words)}." if words else f"{text}; all finished."
+    who, where = (counted(study[name].nunique(), name) for name in ("integrator", "problem"))
+    text = f"{counted(len(study), 'case')} of {who} on {where}"
+    return f"{text}; {len(lost)} did not finish: {causes(lost)}." if len(lost) else f"{text}; all finished."
+
+
+def causes(lost):
+    """Why the cases `lost` did not finish, and how many for each reason."""
+    return listed(f"{'not run' if status == 'not run' else (FAILED.get(status) or OTHERWISE)[1]} ({count})"
+                  for status, count in lost["status"].value_counts().items())  # fmt: skip
 
 
 def look(name):
@@ -111,24 +116,21 @@ def source(run):
 # ---- Work and precision ------------------------------------------------------------------------------------------
 
 
-def controlled(rows):
-    """The cases that a line joins: those by accuracy, or by fixed step of an integrator that takes no accuracy."""
-    by_accuracy = rows[rows["accuracy"].notna()]
-    return (by_accuracy.sort_values("accuracy", ascending=False) if len(by_accuracy)
-            else rows.sort_values("fixed_step", ascending=False))  # fmt: skip
-
-
 def precision_figure(run, cost, key):
     table = study_tables.work_precision(run)
-    title = precision_title(study_tables.cheapest(run, cost), "force evaluations" if cost == "force_evaluations" else "processor time")
+    best = study_tables.cheapest(run, cost)
+    title = precision_title(best, "fewest force evaluations" if cost == "force_evaluations" else "least processor time")
     wanted = table.groupby("problem", sort=False)["error"].count()
-    fig, lost = precision_panels(table, [name for name in wanted.index if wanted[name]], cost,
-                                 "force evaluations" if cost == "force_evaluations" else "processor time (s)", controlled)  # fmt: skip
+    if not wanted.any():
+        return f"Error against cost: not drawn, no case of {listed(wanted.index)} has an error."
+    fig, lost, idle = precision_panels(table, [name for name in wanted.index if wanted[name]], cost,
+                                 "force evaluations" if cost == "force_evaluations" else "processor time (s)", study_tables.controlled,
+                                 best[best["apart"]])  # fmt: skip
     bare = [name for name in wanted.index if not wanted[name]]
     caption = (
         f"Error at the end (of position over the problem's length, or of orientation in rad, the greater) against cost. A line joins one "
         f"integrator's accuracies from loose to tight; SemiExplicitEuler takes fixed steps only (dashed). Fixed steps of the others are "
-        f"in the numbers below. A cross at the top is a case that did not finish ({lost}); errors of 0 are drawn at the bottom. "
+        f"in the numbers below, and drawn hollow where they cost least for an error in the title. A cross at the top is a case that did not finish ({lost}{f'; {idle} more ended before their first step' if idle else ''}); errors of 0 are drawn at the bottom. "
         + (f"No case of {listed(bare)} has an error. " if bare else "") + source(run)
     )  # fmt: skip
     return Figure(title, svg_of(fig), caption, table, key)
@@ -145,20 +147,25 @@ def precision_title(best, word):
         who = listed(leaders) if len(leaders) <= 2 else f"{len(leaders)} integrators"
         need = "needs" if len(leaders) == 1 else "each need"
         parts.append(f"{who} {need if not parts else need.replace('needs', 'does').replace('need', 'do')}"
-                     f"{' the least ' + word if not parts else ''} for errors below {threshold:.0e} on {wins.max()} of {len(rows)} problems")  # fmt: skip
+                     f"{' the ' + word if not parts else ''} for errors below {threshold:.0e} on {wins.max()} of {len(rows)} problems")  # fmt: skip
     return "; ".join(parts).replace("e-0", "e-")
 
 
-def precision_panels(table, problems, cost, label, chosen):
-    """Small multiples of error against `cost`, two in a row, with one legend; and how many cases failed."""
+def precision_panels(table, problems, cost, label, chosen, apart=None):
+    """Small multiples of error against `cost`, two in a row, with one legend; how many cases did not finish, and how
+    many did not even begin, so that they have no cost.
+
+    apart: rows of study_tables.cheapest that are on no line.
+    """
     rows = max(1, -(-len(problems) // 2))
     fig, axes = figure(rows, 2, height=2.15 * rows + 1.2, squeeze=False)
-    lost, drawn = 0, {}
+    lost, idle, drawn = 0, 0, {}
     for ax, problem in zip(axes.ravel(), problems):
         mine = table[table["problem"] == problem]
         lines = {integrator: chosen(some) for integrator, some in mine.groupby("integrator", sort=False)}
         done = pd.concat([line[(line[cost] > 0) & line["error"].notna()] for line in lines.values()])
-        positive = done["error"][done["error"] > 0]
+        lone = table.iloc[:0] if apart is None else apart[apart["problem"] == problem]
+        positive = pd.concat([done["error"], lone["error"]]).loc[lambda error: error > 0]
         low = max(positive.min() / 3, 1e-17) if len(positive) else 1e-16
         high = min(positive.max() * 8, 1e3) if len(positive) else 1
         for integrator, line in lines.items():
@@ -166,10 +173,14 @@ def precision_panels(table, problems, cost, label, chosen):
             drawn[integrator] = ax.plot(good[cost], good["error"].clip(low * 1.2, high), markersize=4, linewidth=1.1,
                                         label=integrator, **look(integrator))[0]  # fmt: skip
             bad = line[(line["status"] != "finished") & (line[cost] > 0)]
-            lost += int((line["status"] != "finished").sum())
+            lost += len(bad)
+            idle += int((line["status"] != "finished").sum()) - len(bad)
             at = bad[cost].clip(done[cost].min() / 3, done[cost].max() * 3) if len(done) else bad[cost]
             ax.plot(at, np.full(len(bad), 0.93), "x", color=look(integrator)["color"], markersize=6,
                     transform=ax.get_xaxis_transform())  # fmt: skip
+        for row in lone.itertuples():
+            ax.plot([row.cost], [max(row.error, low * 1.2)], markersize=6, markerfacecolor="none", markeredgewidth=1.3,
+                    **look(row.integrator) | {"linestyle": "none"})  # fmt: skip
         ax.set(xscale="log", yscale="log", ylim=(low, high * 4))
         ax.set_title(problem.replace("_", " "), loc="left", fontsize=9.5)
         ax.yaxis.set_major_locator(LogLocator(numticks=6))
@@ -185,7 +196,7 @@ def precision_panels(table, problems, cost, label, chosen):
             last[-1].set_xlabel(label)
     space(fig, bottom=0.23 * -(-len(drawn) // 3) + 0.1)
     fig.legend(drawn.values(), drawn.keys(), loc="lower center", ncols=3, frameon=False, fontsize=9)
-    return fig, lost
+    return fig, lost, idle
 
 
 def space(fig, top=0.0, bottom=0.0):
@@ -200,7 +211,7 @@ def order_figure(run, key):
     problems = [name for name in dict.fromkeys(table["problem"]) if table["error"][table["problem"] == name].notna().any()]
     if not problems:
         return "Error against the step: not drawn, no case with a fixed step has an error."
-    fig, lost = precision_panels(table, problems, "fixed_step", "fixed step (s)", lambda rows: rows.sort_values("fixed_step"))
+    fig, lost, _ = precision_panels(table, problems, "fixed_step", "fixed step (s)", lambda rows: rows.sort_values("fixed_step"))
     off = fits[(fits["order"] - fits["nominal"]).abs() > 0.3]
     if fits.empty:
         title = "No convergence order can be fitted: fewer than three steps are in the asymptotic range"
@@ -211,7 +222,7 @@ def order_figure(run, key):
             title += f"; farthest is {far['integrator']} on {far['sweep'].replace('_', ' ')}, {far['order']:.2f} for {far['nominal']:g}"
     caption = (
         f"Error against the length of fixed steps; a straight line of slope p is an order of p. {lost} cases did not finish (crosses at the top; "
-        f"those of much shorter steps stand at the edge). CPodes takes no fixed steps. {source(run)}"
+        f"those of much shorter or longer steps stand at the edge). CPodes takes no fixed steps. {source(run)}"
     )  # fmt: skip
     return Figure(title, svg_of(fig), caption, table[["problem", "integrator", "fixed_step", "error", "status"]], key)
 
@@ -255,9 +266,17 @@ def order_text(fit):
 # ---- Maps ----------------------------------------------------------------------------------------------------------
 
 
+def shade(share):
+    """The colour of a share of energy."""
+    return next(colour for bound, colour, _ in CLASSES if abs(share) <= bound)
+
+
 def percent(value):
-    """A signed share in few characters: 0.0123 -> "+1.2", 12.5 -> "+1e3"; in percent."""
-    value = 100 * value
+    """A signed share in few characters: 0.0123 -> "+1.2", 12.5 -> "+1e3"; in percent.
+
+    As many decimals as tell on which side of its colour's bound it is: 0.0102 -> "+1.02".
+    """
+    share, value = value, 100 * value
     if not np.isfinite(value):
         return "–" if np.isnan(value) else "∞"
     if abs(value) < 0.05:
@@ -266,7 +285,8 @@ def percent(value):
     if abs(value) >= 999.5:
         exponent = int(np.floor(np.log10(abs(value))))
         return f"{sign}{abs(value) / 10**exponent:.0f}e{exponent}" if abs(value) / 10**exponent < 9.5 else f"{sign}1e{exponent + 1}"
-    return f"{sign}{abs(value):.1f}" if abs(value) < 9.95 else f"{sign}{abs(value):.0f}"
+    texts = [f"{abs(value):.{decimals}f}" for decimals in range(int(abs(value) < 9.95), 4)]
+    return sign + next((text for text in texts if shade(float(text) / 100) == shade(share)), texts[0])
 
 
 def cell(row):
@@ -276,11 +296,11 @@ def cell(row):
     error = abs(row["energy_error"])
     if np.isnan(error):
         return "–", "#FFFFFF"
-    return percent(row["energy_error"]), next(colour for bound, colour, _ in CLASSES if error <= bound)
+    return percent(row["energy_error"]), shade(error)
 
 
-def draw_map(ax, cells, rows, columns, heads):
-    """cells: (row, column) -> (text, colour); without one: not run."""
+def draw_map(ax, cells, rows, columns, heads, names=None):
+    """cells: (row, column) -> (text, colour); without one: not run. heads, names: what stands beside columns and rows."""
     ax.grid(False)
     picture = np.ones((len(rows), len(columns), 3))
     for i, row in enumerate(rows):
@@ -291,7 +311,7 @@ def draw_map(ax, cells, rows, columns, heads):
                     fontweight="bold" if colour == DARK else "normal")  # fmt: skip
     ax.imshow(picture, aspect="auto", interpolation="nearest")
     ax.set_xticks(range(len(columns)), heads)
-    ax.set_yticks(range(len(rows)), rows)
+    ax.set_yticks(range(len(rows)), names or rows)
     ax.set_xticks(np.arange(len(columns) - 1) + 0.5, minor=True)
     ax.set_yticks(np.arange(len(rows) - 1) + 0.5, minor=True)
     ax.grid(which="minor", color="#FFFFFF", linewidth=1.2)
@@ -339,7 +359,7 @@ def map_figure(run, name, key):
     map_legend(fig, table["status"][~table["finished"]])
     caption = (
         f"{table['problem'].iloc[0].replace('_', ' ')} ({name}); {len(table)} cases of {len(rows)} integrators at {listed(dict.fromkeys(table['setting']))}. A "
-        f"cell says by how many percent of the problem's energy the balance is off at its worst: + is energy from nowhere. A letter on dark: why "
+        f"cell says by how many percent of the problem's energy the balance is off at its worst: + is energy from nowhere, 0 is less than 0.05. A letter on dark: why "
         f"the case did not finish. An empty cell was not run. {source(run)}"
     )  # fmt: skip
     return Figure(map_title(table), svg_of(fig), caption, table.drop(columns=["who", "sweep"]), key)
@@ -448,12 +468,21 @@ def extremes_figure(run, key):
     good = study_tables.holds(table, 0.1).groupby(table["row"], sort=False).mean()
     none = [name.replace("\n", " ") for name in good.index[good == 0]]
     all_of = int((good == 1).sum())
-    title = f"Of {len(good)} extreme cases {all_of} go well with every integrator and {len(none)} with none (finished, energy within 10 %)"
+    title = f"Of {counted(len(good), 'extreme case')} {all_of} go well with every integrator and {len(none)} with none (finished, energy within 10 %)"
     caption = (
         f"{len(table)} cases. Cells as in the stability map: energy off its balance, in percent. Cases of one name are the naive form and the adapted ones "
-        f"beside it: units of the problem's own size, or tolerances and steps that fit it. " + source(run)
+        f"beside it: units of the problem's own size, or tolerances and steps that fit it. {own_steps(table)}" + source(run)
     )  # fmt: skip
     return Figure(title, svg_of(fig), caption, table.drop(columns="row"), key)
+
+
+def own_steps(table):
+    """Who takes a fixed step that is longer than a row says, as a sentence; "" when nobody does."""
+    words = []
+    for name, mine in table.dropna(subset=["own_step"]).groupby("integrator", sort=False):
+        steps = listed(f"{step:g}" for step in sorted(mine["own_step"].unique()))
+        words.append(f"{name} takes its own step of {steps} s also where that is above the greatest step of its row. ")
+    return "".join(words)
 
 
 def wrapped(text, most=34):
@@ -521,7 +550,8 @@ def drift_words(run):
         words.append(f"norms of the integrator's quaternions are off 1 by {norm:.2g} at most")
     try:
         count = studies.escaped(run)
-        words.append(f"{count or 'no'} {'body' if count == 1 else 'bodies'} escaped")
+        where = " (ended below everything fixed, or ten times its size away)" if count else ""
+        words.append(f"{count or 'no'} {'body' if count == 1 else 'bodies'} escaped{where}")
     except (KeyError, IndexError, AttributeError, ValueError, TypeError):
         pass  # a file without motion or bodies
     return "; ".join(words)
@@ -536,4 +566,4 @@ def drift_title(table):
     else:
         text = f"The energy goes from {energy.iloc[0]:.3g} to {energy.iloc[-1]:.3g} J"
     depth = table["greatest_penetration"].max() if "greatest_penetration" in table else np.nan
-    return f"{text}; bodies sink into each other by {depth:.2g} m at most" if depth == depth else text
+    return f"{text}; bodies sink into each other by {depth:.2g} m at most" if depth > 0 else text

@@ -2,8 +2,8 @@
 
 Functions from a Run with a study (one row per case) to tables. Sweeps are told apart by what varies in them, not by name:
 one that varies a single FACTOR is a map of integrators over that factor; cases that differ in accuracy or fixed step
-alone are a work-precision problem; every other case is an extreme. A case that did not finish stays in every table. Orders, verdicts and the
-rule of the recommendation are studies.py's.
+alone are a work-precision problem; every other case is an extreme. A case that did not finish stays in every table.
+Orders and drift are studies.py's.
 """
 
 import tomllib
@@ -12,11 +12,8 @@ import numpy as np
 import pandas as pd
 
 from analysis import studies
+from analysis.studies import PARAMETERS, varied
 
-PARAMETERS = [
-    "units", "duration", "greatest_step", "radius", "thickness", "offset", "mass", "inertia", "balls", "mass_ratio",
-    "speed", "transition_velocity", "stiffness", "dissipation",
-]  # fmt: skip
 CONTROLS = ["accuracy", "fixed_step"]
 FACTORS = ["stiffness", "mass_ratio", "transition_velocity", "dissipation"]
 UNITS = {"stiffness": "Pa", "transition_velocity": "m/s", "dissipation": "s/m", "offset": "m", "radius": "m", "mass": "kg",
@@ -24,18 +21,6 @@ UNITS = {"stiffness": "Pa", "transition_velocity": "m/s", "dissipation": "s/m", 
 THRESHOLDS = (1e-3, 1e-6, 1e-9)
 BOUND = studies.SOUND  # of the problem's energy
 NEAR = 10.0  # stiffness at most so many times smaller or greater than the scenes' counts as near
-
-
-def study_of(run):
-    """The rows of a study. Raises ValueError when the run is none."""
-    if run.study is None:
-        raise ValueError(f"{run.path}: is no study of integrators (it has no group /study)")
-    return run.study
-
-
-def varied(rows, names=PARAMETERS):
-    """Which parameters have more than one value in `rows`."""
-    return [name for name in names if name in rows and rows[name].nunique(dropna=False) > 1]
 
 
 def setting(row):
@@ -75,12 +60,17 @@ def work_precision(run):
     Columns: problem, integrator, setting (text), accuracy, fixed_step (s), error (relative or rad; NaN where it did not
     finish), force_evaluations, time_s (of processor; NaN where nothing ran), energy_error, status, reason.
     """
-    rows = [rows.assign(problem=name) for name, rows in parts(study_of(run))[1]]
+    rows = [rows.assign(problem=name) for name, rows in parts(studies.study(run))[1]]
     columns = ["problem", "integrator", "setting", *CONTROLS, "error", "force_evaluations", "time_s", "energy_error",
                "status", "reason"]  # fmt: skip
-    if not rows:
+    return joined(rows, columns)
+
+
+def joined(tables, columns):
+    """Tables of cases as one, with each row's setting and time_s; NaN for the error of a case that did not finish."""
+    if not tables:
         return pd.DataFrame(columns=columns)
-    table = pd.concat(rows, ignore_index=True)
+    table = pd.concat(tables, ignore_index=True)
     table["setting"] = [setting(row) for _, row in table.iterrows()]
     table["time_s"] = (table["time_ns"] / 1e9).where(table["time_ns"] > 0)
     table["error"] = table["error"].where(table["finished"])
@@ -90,8 +80,9 @@ def work_precision(run):
 def cheapest(run, cost="force_evaluations"):
     """Who reaches a precision most cheaply: per problem and threshold of the error the cheapest case at or below it.
 
-    Columns: problem, threshold, integrator, setting, cost, runner_up (another integrator; "" for none), times (its cost
-    over the cheapest one's). Thresholds that nobody reaches have integrator "".
+    Columns: problem, threshold, integrator, setting, cost, error, apart (it is a fixed step of an integrator that takes
+    accuracies, so not among those that a line of the figure joins), runner_up (another integrator; "" for none), times
+    (its cost over the cheapest one's). Thresholds that nobody reaches have integrator "".
     """
     table, found = work_precision(run), []
     for problem, rows in table.groupby("problem", sort=False):
@@ -100,15 +91,24 @@ def cheapest(run, cost="force_evaluations"):
         for threshold in THRESHOLDS:
             good = rows[(rows["error"] <= threshold) & (rows[cost] > 0)].sort_values(cost, kind="stable")
             if good.empty:
-                found.append((problem, threshold, "", "", np.nan, "", np.nan))
+                found.append((problem, threshold, "", "", np.nan, np.nan, False, "", np.nan))
                 continue
             best = good.iloc[0]
             others = good[good["integrator"] != best["integrator"]]
             second = others.iloc[0] if len(others) else None
-            found.append((problem, threshold, best["integrator"], best["setting"], float(best[cost]),
-                          "" if second is None else second["integrator"],
+            lined = controlled(rows[rows["integrator"] == best["integrator"]])
+            found.append((problem, threshold, best["integrator"], best["setting"], float(best[cost]), best["error"],
+                          best.name not in lined.index, "" if second is None else second["integrator"],
                           np.nan if second is None else float(second[cost]) / float(best[cost])))  # fmt: skip
-    return pd.DataFrame(found, columns=["problem", "threshold", "integrator", "setting", "cost", "runner_up", "times"])
+    names = ["problem", "threshold", "integrator", "setting", "cost", "error", "apart", "runner_up", "times"]
+    return pd.DataFrame(found, columns=names)
+
+
+def controlled(rows):
+    """Of one integrator the cases that a line joins, loose to tight: by accuracy, or by fixed step without any such."""
+    by_accuracy = rows[rows["accuracy"].notna()]
+    return (by_accuracy.sort_values("accuracy", ascending=False) if len(by_accuracy)
+            else rows.sort_values("fixed_step", ascending=False))  # fmt: skip
 
 
 def stability(run):
@@ -118,18 +118,13 @@ def stability(run):
     momentum_drift, greatest_penetration (m), smallest_step (s), steps, rejected_steps, force_evaluations, time_s.
     """
     rows = []
-    for _, found in parts(study_of(run))[0]:
+    for _, found in parts(studies.study(run))[0]:
         factor = varied(found)[0]
         rows.append(found.assign(factor=factor, value=found[factor]))
     columns = ["sweep", "problem", "factor", "value", "integrator", "setting", "finished", "status", "reason",
                "energy_error", "momentum_drift", "greatest_penetration", "smallest_step", "steps", "rejected_steps",
                "force_evaluations", "time_s"]  # fmt: skip
-    if not rows:
-        return pd.DataFrame(columns=columns)
-    table = pd.concat(rows, ignore_index=True)
-    table["setting"] = [setting(row) for _, row in table.iterrows()]
-    table["time_s"] = (table["time_ns"] / 1e9).where(table["time_ns"] > 0)
-    return table[columns]
+    return joined(rows, columns)
 
 
 def holds(table, bound=BOUND):
@@ -139,7 +134,7 @@ def holds(table, bound=BOUND):
 
 def default_stiffness(run):
     """The stiffness (Pa) around which the other factors vary; NaN when the file does not tell."""
-    study = study_of(run)
+    study = studies.study(run)
     values = [rows["stiffness"].dropna() for _, rows in parts(study)[0] if varied(rows) != ["stiffness"]]
     values = pd.concat(values) if values else pd.Series(dtype=float)
     return float(values.mode().iloc[0]) if len(values) else np.nan
@@ -158,7 +153,7 @@ def recommendation(run, stiffness=None, bound=BOUND):
     names = ["integrator", "setting", *CONTROLS, "cases", "of", "holds", "worst_energy_error", "energy_error",
              "force_evaluations", "cheapest", "recommended"]  # fmt: skip
     near = []
-    for name, rows in parts(study_of(run))[0]:
+    for name, rows in parts(studies.study(run))[0]:
         if varied(rows) == ["stiffness"]:
             ratio = rows["stiffness"] / stiffness
             near.append(rows[(ratio <= NEAR * 1.001) & (ratio >= 0.999 / NEAR)])
@@ -229,16 +224,18 @@ def extremes_of_motion(run):
     """The cases that are neither a map nor of a work-precision problem.
 
     Columns: sweep, case (what varies in its sweep, as text), integrator, finished, status, reason, error, energy_error,
-    greatest_penetration (m), steps, force_evaluations, preventing_step (s).
+    greatest_penetration (m), steps, force_evaluations, preventing_step (s), own_step (s; NaN: none: the fixed step that a
+    case takes although its greatest step is to be shorter).
     """
     columns = ["sweep", "case", "integrator", "finished", "status", "reason", "error", "energy_error",
-               "greatest_penetration", "steps", "force_evaluations", "preventing_step"]  # fmt: skip
-    rest, tables = parts(study_of(run))[2], []
+               "greatest_penetration", "steps", "force_evaluations", "preventing_step", "own_step"]  # fmt: skip
+    rest, tables = parts(studies.study(run))[2], []
     for _, rows in rest.groupby("sweep", sort=False):
         names = varied(rows)
         several = rows.groupby("integrator")[CONTROLS].nunique().max().max() > 1
         words = [case_text(row, names, several) for _, row in rows.iterrows()]
-        tables.append(rows.assign(case=words))
+        own = rows["fixed_step"].where(rows["fixed_step"] > rows["greatest_step"])
+        tables.append(rows.assign(case=words, own_step=own))
     return pd.concat(tables, ignore_index=True)[columns] if tables else pd.DataFrame(columns=columns)
 
 
@@ -260,14 +257,15 @@ def tunnelling(run):
     """Cases against a plate: which steps let the ball through, and the greatest that does not.
 
     One row per sweep, stiffness and integrator. Columns: speed (m/s), thickness (m), stiffness (Pa), went_through and stopped
-    (greatest steps of such cases, s, as lists), preventing_step (s; NaN: none was found).
+    (steps of such cases, s, as lists: the fixed one, else the greatest allowed), preventing_step (s; NaN: none was found).
     """
-    study = study_of(run)
+    study = studies.study(run)
     rows = study[study["preventing_step"].notna() | (study["status"] == "tunnelled") | (study["problem"] == "thin_plate")]
     found = []
     keys = ["sweep", "speed", "thickness", "stiffness", "integrator"]
     for key, mine in rows.groupby(keys, sort=False, dropna=False):
-        steps = {word: sorted(mine["greatest_step"][which].dropna(), reverse=True)
+        taken = mine["fixed_step"].fillna(mine["greatest_step"])
+        steps = {word: sorted(taken[which].dropna().unique(), reverse=True)
                  for word, which in (("through", mine["status"] == "tunnelled"), ("stopped", mine["finished"]))}  # fmt: skip
         found.append((*key, steps["through"], steps["stopped"], mine["preventing_step"].max()))
     return pd.DataFrame(found, columns=[*keys, "went_through", "stopped", "preventing_step"])
@@ -307,3 +305,43 @@ def lossless(run):
         return False
     push = scene.get("push", {})
     return not push.get("speed") or (push.get("from", 0) <= 0 and push.get("every", 0) >= run.meta["steps"])
+
+
+def text(run):
+    """All that a study or a long integrated motion says, as lines for a terminal."""
+    if run.study is None:
+        found = studies.drift(run)
+        words = {name: f"{value:.6g}" if isinstance(value, float) else value for name, value in found.items()}
+        return "\n".join(f"{name:<21} {value}" for name, value in words.items())
+    study = studies.study(run)
+    ends = ", ".join(f"{count} {status}" for status, count in study["status"].value_counts().items())
+    found = [f"{len(study)} cases of {study['integrator'].nunique()} integrators" + (f": {ends}" if ends else "")]
+    fitted = studies.orders(run).dropna(subset="order")
+    if len(fitted):
+        found.append("orders\n" + fitted.round(2).to_string())
+    cases = stability(run)
+    for sweep, mine in cases.groupby("sweep", sort=False):
+        head = f"{sweep}, by {mine['factor'].iloc[0]}: energy off its balance, of the problem's"
+        found.append(f"{head}\n{energy_map(mine).to_string()}")
+    if len(cases):
+        good = cases.assign(holds=holds(cases)).groupby("integrator", sort=False)["holds"]
+        tally = good.agg(cases="size", holds="sum")
+        found.append(f"cases of these that finish within {100 * BOUND:g} %\n" + tally.to_string())
+    stiffness = default_stiffness(run)
+    if len(cases) and stiffness == stiffness:
+        near = recommendation(run, stiffness).drop(columns=CONTROLS).set_index("integrator")
+        found.append(f"near {stiffness:g} Pa\n" + near.to_string(float_format="{:.2g}".format))
+    return "\n\n".join(found)
+
+
+def energy_map(cases):
+    """Of one sweep of stability(): energy errors of the cases that finished, statuses of the others, as text.
+
+    Rows: integrators, with their setting where one has several; columns: values of the factor; a dash: not run.
+    """
+    several = cases.groupby("integrator")["setting"].nunique().max() > 1
+    who = cases["integrator"] + (", " + cases["setting"] if several else "")
+    cell = [f"{row.energy_error:+.0e}" if row.finished else row.status for row in cases.itertuples()]
+    table = cases.assign(who=who, cell=cell).pivot(index="who", columns="value", values="cell").fillna("-")
+    table.columns = [f"{value:g}" for value in table.columns]
+    return table.reindex(who.unique()).rename_axis("integrator")

@@ -36,6 +36,8 @@ bool is_born(const Pose& pose) {
   return true;
 }
 
+double norm(const Quaternion& q) { return std::sqrt(squared_norm(q)); }
+
 Quaternion normalised(const Quaternion& q) {
   double square = squared_norm(q);
   if (std::abs(square - 1) <= kUnitTolerance) return q;

@@ -30,6 +30,9 @@ Pose unborn();
 /// False for a pose with a NaN in it. Such a body takes part in no pair.
 bool is_born(const Pose& pose);
 
+/// The computed norm: the root of ((ww + xx) + yy) + zz.
+double norm(const Quaternion& q);
+
 /// q at unit length; q itself, bit for bit, when its computed squared norm ((ww + xx) + yy) + zz is within 1e-15 of 1.
 /// Divides by the root of that norm; components whose squares would overflow or underflow are first divided by the
 /// largest. A result is within 7.8e-16 (measured: 80 million random q and a search for worse ones), so that a second

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
-#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <sstream>
 
 #include "pipeline/digest.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/print.hpp"
+#include "pipeline/score.hpp"
 #include "pipeline/store.hpp"
 #include "pipeline/target.hpp"
 #include "pipeline/truth.hpp"
@@ -25,34 +25,20 @@ using Json = nlohmann::json;  // objects are sorted by key
 constexpr char kKind[] = "collision benchmark baseline";
 constexpr char kTimeRatio[] = "time_ratio";
 
-std::uint64_t total(const std::vector<std::uint64_t>& column) {
-  return std::accumulate(column.begin(), column.end(), std::uint64_t{0});
-}
-
-double median(std::vector<double> values) {
+double median_of(std::vector<double> values) {
   std::ranges::sort(values);
-  const std::size_t n = values.size();
-  return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+  return median(values);
 }
 
 /// Three digits: a fourth would be noise, and change at every recording.
-double rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return std::strtod(text, nullptr);
-}
-
-void add(Digest& digest, double x) {
-  if (std::isnan(x)) x = std::numeric_limits<double>::quiet_NaN();
-  digest.add(std::as_bytes(std::span(&x, 1)));
-}
+double rounded(double value) { return std::strtod(print("%.3g", value).c_str(), nullptr); }
 
 /// Where the surfaces of the passes first and last meet, to the bit.
 std::string digest_of(const std::vector<PassRow>& rows) {
   Digest digest;
   for (const PassRow& row : rows) {
-    add(digest, row.truth_first);
-    add(digest, row.truth_last);
+    const double ends[] = {row.truth_first, row.truth_last};
+    digest.add(std::span<const double>(ends));
   }
   return digest.hex();
 }
@@ -60,8 +46,8 @@ std::string digest_of(const std::vector<PassRow>& rows) {
 /// Where an algorithm first and last reports them.
 std::string digest_of(const PassAnswers& answers) {
   Digest digest;
-  for (const double x : answers.first) add(digest, x);
-  for (const double x : answers.last) add(digest, x);
+  digest.add(std::span(answers.first));
+  digest.add(std::span(answers.last));
   return digest.hex();
 }
 
@@ -102,7 +88,7 @@ Json baseline_of(const Result& result, bool times) {
       of["passes_flicker"] = total(passes.flicker);
       of["passes_digest"] = digest_of(passes);
     }
-    if (times) of[kTimeRatio] = rounded(means[a] / median(means));
+    if (times) of[kTimeRatio] = rounded(means[a] / median_of(means));
   }
   return json;
 }
@@ -190,7 +176,7 @@ void compare_times(const Json& before, const Json& now, const std::string& place
   // Each over the median of those that both have: a new label does not shift the others.
   std::vector<double> old_ratios, new_ratios;
   for (const TimeChange& time : out.times) old_ratios.push_back(time.before), new_ratios.push_back(time.now);
-  const double old_median = median(old_ratios), new_median = median(new_ratios);
+  const double old_median = median_of(old_ratios), new_median = median_of(new_ratios);
   for (TimeChange& time : out.times) {
     time.before /= old_median;
     time.now /= new_median;
@@ -234,7 +220,7 @@ Score score(const Result& result, const std::filesystem::path& path, const Score
     if (options.times && !options.write) compare_times(old_rows, new_rows, place, options, out);
   }
   if (options.write && (!before || *before != now)) {
-    const std::string text = now.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    const std::string text = dumped(now);
     Target(path, true).write(std::as_bytes(std::span(text)));
     out.written = true;
   }
@@ -262,10 +248,8 @@ std::string score_text(const Score& score, const std::string& baseline) {
   for (const std::string& label : score.fresh) text += label + ": new, not in the baseline\n";
   for (const std::string& label : score.missing) text += label + ": missing, only in the baseline\n";
   for (const TimeChange& time : score.times) {
-    char line[160];
-    std::snprintf(line, sizeof line, "%s: time %.3g -> %.3g of the median (x %.2f)", time.label.c_str(), time.before,
-                  time.now, time.now / time.before);
-    text += line;
+    text += print("%s: time %.3g -> %.3g of the median (x %.2f)", time.label.c_str(), time.before, time.now,
+                  time.now / time.before);
     const bool beyond = std::ranges::find(score.beyond_tolerance, time.label) != score.beyond_tolerance.end();
     text += beyond ? ", beyond the tolerance\n" : "\n";
   }
@@ -294,7 +278,7 @@ std::string score_json(const Score& score, const std::string& file, const std::s
     json["times"].push_back(
         {{"label", time.label}, {"before", time.before}, {"now", time.now}, {"factor", time.now / time.before}});
   if (!score.times.empty()) json["beyond_tolerance"] = score.beyond_tolerance;
-  return json.dump(2, ' ', false, Ordered::error_handler_t::replace) + "\n";
+  return dumped(json);
 }
 
 }  // namespace pipeline

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "pipeline/baseline.hpp"
@@ -15,6 +14,8 @@
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/export.hpp"
+#include "pipeline/list.hpp"
+#include "pipeline/plan.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/run.hpp"
@@ -22,6 +23,7 @@
 #include "pipeline/show.hpp"
 #include "pipeline/step_range.hpp"
 #include "pipeline/store.hpp"
+#include "pipeline/threads.hpp"
 #include "pipeline/verify.hpp"
 #include "pipeline/words.hpp"
 
@@ -71,9 +73,8 @@ int verify_file(const std::string& file, const VerifyOptions& options, int threa
   check_step_range(options.steps);
   const Result result = whole_result(file);
   const StepRange steps = step_range(options.steps, result.steps(), file);
-  if (threads == 0) threads = int(std::max(1u, std::thread::hardware_concurrency()));
   const Verified verified =
-      verify(result, steps, options.all ? std::nullopt : std::optional(options.pairs), threads, quiet);
+      verify(result, steps, options.all ? std::nullopt : std::optional(options.pairs), thread_count(threads), quiet);
   put(json ? verified_json(verified, result, file) : verified_text(verified, result));
   if (!verified.difference) return kDone;
   std::fprintf(stderr, "%s\n", one_line(file + ": " + difference_text(verified, result), 1 << 16).c_str());

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "pipeline/error.hpp"
+#include "pipeline/truth.hpp"
 
 namespace pipeline {
 namespace {
@@ -44,12 +45,6 @@ void for_each_column(Answers& answers, bool counts_contained, Visit visit) {
   visit(answers.false_negative);
   visit(answers.rounding_miss);
   if (counts_contained) visit(answers.contained_hit);
-}
-
-std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these) {
-  std::vector<Pair> rest;
-  std::set_difference(from.begin(), from.end(), these.begin(), these.end(), std::back_inserter(rest));
-  return rest;
 }
 
 std::uint64_t rounding_misses(Method& method, std::span<const Pose> poses, std::span<const Pair> missed) {
@@ -154,7 +149,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
         PairLists hits;
         hits.offset = in.get<std::uint64_t>();
         hits.pair = in.get<Pair>();
-        for (std::size_t s = 0; s < hits.steps(); ++s) answers.hits.append(hits.at(s));
+        answers.hits.append_steps(hits);
         for_each_column(answers, counts_contained, [&]<class T>(std::vector<T>& column) {
           const std::vector<T> rows = in.get<T>();
           column.insert(column.end(), rows.begin(), rows.end());

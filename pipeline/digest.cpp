@@ -66,6 +66,8 @@ void Digest::add(std::span<const std::byte> bytes) {
   if (!bytes.empty()) XXH3_128bits_update(xxh(state_.get()), bytes.data(), bytes.size());
 }
 
+void Digest::add(std::span<const double> reals) { add_doubles(*this, std::as_bytes(reals)); }
+
 void Digest::add(std::uint64_t integer) {
   static_assert(std::endian::native == std::endian::little);
   add(std::as_bytes(std::span(&integer, 1)));

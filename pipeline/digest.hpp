@@ -38,6 +38,7 @@ class Digest {
   Digest();
 
   void add(std::span<const std::byte> bytes);
+  void add(std::span<const double> reals);  // every NaN in its one form
   void add(std::uint64_t integer);
   void add(std::string_view text);
   void add(const Dataset& dataset);

@@ -104,6 +104,9 @@ std::vector<std::string> parts(const std::string& key) {
   return out;
 }
 
+/// The dotted key of an array's entry.
+std::string entry_of(std::string_view key, std::size_t i) { return std::string(key) + '.' + std::to_string(i); }
+
 }  // namespace
 
 bool Range::holds(double x) const {
@@ -259,7 +262,7 @@ std::vector<Section> Section::sections(std::string_view key) const {
   const std::string remedy = "write [[" + full(key) + "]] above each of them";
   if (!node->is_array()) refuse(key, "be an array of tables", remedy);
   for (const toml::node& entry : *node->as_array()) {
-    const std::string name = std::string(key) + '.' + std::to_string(out.size());
+    const std::string name = entry_of(key, out.size());
     if (!entry.is_table()) refuse_node(name, entry, "be a table", remedy);
     out.push_back(Section(*document_, entry.as_table(), full(name)));
   }
@@ -291,7 +294,7 @@ std::vector<std::string> Section::choices(std::string_view key, const std::vecto
   std::vector<std::string> out;
   for (const toml::node& entry : *array) {
     if (!entry.is_string() || std::ranges::find(known, entry.as_string()->get()) == known.end())
-      refuse_node(std::string(key) + '.' + std::to_string(out.size()), entry, "be " + alternatives(known));
+      refuse_node(entry_of(key, out.size()), entry, "be " + alternatives(known));
     out.push_back(entry.as_string()->get());
   }
   return out;
@@ -303,7 +306,7 @@ std::vector<std::string> Section::texts(std::string_view key) const {
   const toml::array* array = node(key)->as_array();
   if (!array) refuse(key, "be an array of texts");
   for (const toml::node& entry : *array) {
-    if (!entry.is_string()) refuse_node(std::string(key) + '.' + std::to_string(out.size()), entry, "be text");
+    if (!entry.is_string()) refuse_node(entry_of(key, out.size()), entry, "be text");
     out.push_back(entry.as_string()->get());
   }
   return out;
@@ -350,8 +353,7 @@ void Section::integers(std::string_view key, std::span<std::int64_t> values, std
   const toml::array* array = node(key)->as_array();
   if (!array || array->size() != values.size())
     refuse(key, "be an array of " + std::to_string(values.size()) + " integers");
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = integer_of(std::string(key) + '.' + std::to_string(i), *array->get(i), least, most);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = integer_of(entry_of(key, i), *array->get(i), least, most);
 }
 
 void Section::reals(std::string_view key, std::span<double> values, const Range& range) const {
@@ -359,8 +361,7 @@ void Section::reals(std::string_view key, std::span<double> values, const Range&
   const toml::array* array = node(key)->as_array();
   if (!array || array->size() != values.size())
     refuse(key, "be an array of " + std::to_string(values.size()) + " numbers");
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = real_of(std::string(key) + '.' + std::to_string(i), *array->get(i), range);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = real_of(entry_of(key, i), *array->get(i), range);
 }
 
 std::vector<double> Section::numbers(std::string_view key, const std::vector<double>& preset,
@@ -369,8 +370,7 @@ std::vector<double> Section::numbers(std::string_view key, const std::vector<dou
   const toml::array* array = node(key)->as_array();
   if (!array || array->empty()) refuse(key, "be an array of at least one number");
   std::vector<double> out;
-  for (const toml::node& entry : *array)
-    out.push_back(real_of(std::string(key) + '.' + std::to_string(out.size()), entry, range));
+  for (const toml::node& entry : *array) out.push_back(real_of(entry_of(key, out.size()), entry, range));
   return out;
 }
 
@@ -385,7 +385,7 @@ std::vector<double> Section::numbers(std::string_view key, const Range& range, b
   if (!array) add(key, *node(key));
   if (array && array->empty()) refuse(key, "be a number or an array of at least one");
   if (array)
-    for (const toml::node& entry : *array) add(std::string(key) + '.' + std::to_string(out.size()), entry);
+    for (const toml::node& entry : *array) add(entry_of(key, out.size()), entry);
   return out;
 }
 
@@ -394,14 +394,13 @@ std::vector<std::pair<std::string, double>> Section::named_reals(std::string_vie
                                                                  const Range& range) const {
   std::vector<std::pair<std::string, double>> out;
   if (!has(key)) return out;
-  const std::string rule = "be an array of [" + alternatives(known) + ", number]";
+  const std::string form = "[" + alternatives(known) + ", number]";
   const toml::array* array = node(key)->as_array();
-  if (!array) refuse(key, rule);
+  if (!array) refuse(key, "be an array of " + form);
   for (const toml::node& entry : *array) {
-    const std::string name = std::string(key) + '.' + std::to_string(out.size());
+    const std::string name = entry_of(key, out.size());
     const toml::array* two = entry.as_array();
-    if (!two || two->size() != 2 || !two->get(0)->is_string())
-      refuse_node(name, entry, "be [" + alternatives(known) + ", number]");
+    if (!two || two->size() != 2 || !two->get(0)->is_string()) refuse_node(name, entry, "be " + form);
     const std::string& word = two->get(0)->as_string()->get();
     if (std::ranges::find(known, word) == known.end())
       refuse_node(name + ".0", *two->get(0), "be " + alternatives(known));

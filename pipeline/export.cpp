@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <iterator>
 #include <span>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "pipeline/progress.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/target.hpp"
+#include "pipeline/truth.hpp"
 #include "pipeline/words.hpp"
 
 namespace pipeline {
@@ -81,12 +81,6 @@ std::vector<std::uint32_t> per_body(std::span<const Pair> pairs, std::size_t bod
     ++count[pair.b];
   }
   return count;
-}
-
-std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these) {
-  std::vector<Pair> rest;
-  std::set_difference(from.begin(), from.end(), these.begin(), these.end(), std::back_inserter(rest));
-  return rest;
 }
 
 std::uint64_t triangles_at(const Result& result, std::size_t step) {

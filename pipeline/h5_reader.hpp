@@ -60,6 +60,11 @@ class Reader {
     return out;
   }
 
+  template <typename T>
+  std::vector<T> values(const std::string& path, const Shape& expected) const {
+    return values<T>(path, type_of<T>(), expected);
+  }
+
   std::vector<std::string> texts(const std::string& path, const Shape& expected) const {
     const h5::Dataset dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "open " + path);
     std::vector<char*> data(opened_elements(dataset, path, Type::text, expected));
@@ -76,8 +81,7 @@ class Reader {
   PairLists pairs(const std::string& group, std::uint64_t steps, std::uint64_t bodies,
                   const std::string& prefix = "") const {
     PairLists out;
-    out.offset = values<std::uint64_t>(group + "/" + prefix + (prefix.empty() ? "pair_offset" : "offset"), Type::u64,
-                                       {steps + 1});
+    out.offset = values<std::uint64_t>(group + "/" + prefix + (prefix.empty() ? "pair_offset" : "offset"), {steps + 1});
     out.pair = values<Pair>(group + "/" + prefix + "pair", Type::u32, {kAny, 2});
     bool sound = out.offset.front() == 0 && out.offset.back() == out.pair.size() &&
                  std::ranges::is_sorted(out.offset) &&
@@ -86,6 +90,28 @@ class Reader {
       sound = std::ranges::adjacent_find(out.at(s), std::ranges::greater_equal()) == out.at(s).end();
     if (!sound) throw h5::Failure(group + ": pairs or offsets are not in order");
     return out;
+  }
+
+  /// A column of the rows, from a dataset of as many values.
+  template <typename Row, typename T, typename Stored>
+  void rows(const std::string& group, const Column<Row, T, Stored>& column, std::vector<Row>& out) const {
+    const std::string path = group + "/" + column.name;
+    const auto fill = [&](auto stored) {
+      for (std::size_t r = 0; r < out.size(); ++r) out[r].*column.member = static_cast<T>(std::move(stored[r]));
+    };
+    if constexpr (std::is_same_v<Stored, std::string>)
+      fill(texts(path, {out.size()}));
+    else
+      fill(values<Stored>(path, {out.size()}));
+  }
+
+  /// A column of every algorithm's answers, from a table of rows x algorithms.
+  template <typename Answer, typename T>
+  void answers(const std::string& group, const Column<Answer, std::vector<T>>& column, std::uint64_t rows,
+               std::vector<Answer>& out) const {
+    const std::vector<T> table = values<T>(group + "/" + column.name, {rows, out.size()});
+    for (std::size_t a = 0; a < out.size(); ++a)
+      for (std::size_t r = 0; r < rows; ++r) (out[a].*column.member).push_back(table[r * out.size() + a]);
   }
 
   std::vector<std::string> names_in(const std::string& group) const { return h5::names_in(file_, group); }

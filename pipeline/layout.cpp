@@ -20,15 +20,6 @@ static_assert(std::endian::native == std::endian::little, "values are stored as 
 static_assert(sizeof(Pair) == 8 && sizeof(geometry::Facet) == 12 && sizeof(geometry::Vec3) == 24,
               "pairs, facets and vertices are stored as they lie in memory");
 
-template <typename T>
-constexpr Type type_of() {
-  if constexpr (std::same_as<T, double>) return Type::f64;
-  if constexpr (std::same_as<T, std::int64_t>) return Type::i64;
-  if constexpr (std::same_as<T, std::uint64_t>) return Type::u64;
-  if constexpr (std::same_as<T, std::uint32_t>) return Type::u32;
-  if constexpr (std::same_as<T, std::uint8_t>) return Type::u8;
-}
-
 /// A dimension: its size and the path of its scale.
 struct Dimension {
   std::string scale;
@@ -77,6 +68,32 @@ Dataset texts(std::string path, std::vector<std::string> values, const std::vect
   dataset.text = std::move(values);
   assert(dataset.text.size() == dataset.elements() && "texts fill the shape");
   return dataset;
+}
+
+/// A column of rows.
+template <typename Row, typename T, typename Stored>
+Dataset of_rows(const std::string& group, const Column<Row, T, Stored>& column, const std::vector<Row>& rows,
+                const Dimension& row) {
+  std::vector<Stored> values;
+  for (const Row& one : rows) values.push_back(static_cast<Stored>(one.*column.member));
+  const std::string path = group + "/" + column.name;
+  if constexpr (std::same_as<Stored, std::string>)
+    return texts(path, std::move(values), {row}, column.long_name);
+  else
+    return owning(path, values, {row}, column.units, column.long_name);
+}
+
+/// A table of rows x algorithms from a column of every algorithm's answers.
+template <typename Answer, typename T>
+Dataset of_answers(const std::string& group, const Column<Answer, std::vector<T>>& column,
+                   const std::vector<Answer>& answers, const Dimension& row, const Dimension& algorithm) {
+  std::vector<T> table(row.size * answers.size());
+  for (std::size_t a = 0; a < answers.size(); ++a) {
+    const std::vector<T>& values = answers[a].*column.member;
+    assert(values.size() == row.size && "a value for every row");
+    for (std::size_t r = 0; r < row.size; ++r) table[r * answers.size() + a] = values[r];
+  }
+  return owning(group + "/" + column.name, table, {row, algorithm}, column.units, column.long_name);
 }
 
 Dataset scale(Dataset dataset, bool grows = false) {
@@ -219,17 +236,12 @@ Group physics(const PhysicsRows& physics, const Sizes& n) {
   Group group{"/physics", {{"status", physics.status}}, {}};
   if (!std::isnan(physics.quaternion_drift)) group.attributes.push_back({"quaternion_drift", physics.quaternion_drift});
   assert(physics.rows.size() == n.step.size && "a row for every step");
-  const auto add = [&]<typename Stored>(const auto& columns, Stored) {
-    for (const auto& column : columns) {
-      std::vector<Stored> values;
-      for (const PhysicsSample& row : physics.rows) values.push_back(static_cast<Stored>(row.*column.member));
-      group.datasets.push_back(
-          owning(std::string("/physics/") + column.name, values, {n.step}, column.units, column.long_name));
-    }
+  const auto add = [&](const auto& columns) {
+    for (const auto& column : columns) group.datasets.push_back(of_rows("/physics", column, physics.rows, n.step));
   };
-  add(kPhysicsReals, double{});
-  add(kPhysicsCounts, std::uint64_t{});
-  add(kPhysicsTimes, std::int64_t{});
+  add(kPhysicsReals);
+  add(kPhysicsCounts);
+  add(kPhysicsTimes);
   return group;
 }
 
@@ -245,17 +257,12 @@ void add_pairs(Group& group, const PairLists& hits, const std::string& what, con
       viewed(group.path + "/" + prefix + "pair", std::span(hits.pair), {entry, n.side}, "1", what, Type::u32));
 }
 
-std::vector<std::uint64_t> counts(const PairLists& hits) {
-  std::vector<std::uint64_t> out(hits.steps());
-  for (std::size_t s = 0; s < out.size(); ++s) out[s] = hits.at(s).size();
-  return out;
-}
-
 Group truth(const Truth& truth, const Sizes& n) {
   Group group{"/truth", {}, {}, true};
-  std::vector<std::uint64_t> scoring = counts(truth.hits);
-  if (truth.containment == Containment::meet)
-    for (std::size_t s = 0; s < scoring.size(); ++s) scoring[s] += truth.contained.at(s).size();
+  std::vector<std::uint64_t> scoring;
+  for (std::size_t s = 0; s < truth.hits.steps(); ++s)
+    scoring.push_back(truth.hits.at(s).size() +
+                      (truth.containment == Containment::meet ? truth.contained.at(s).size() : 0));
   group.datasets.push_back(
       owning("/truth/hits", scoring, {n.step}, "1", "pairs that meet, by which answers are scored"));
   group.datasets.push_back(
@@ -278,28 +285,17 @@ Group truth(const Truth& truth, const Sizes& n) {
 }
 
 Group results(const Result& result, const Sizes& n) {
-  const std::size_t columns = result.answers.size();
   Group group{"/results", {}, {}};
-  const auto add = [&]<typename T>(const char* name, const char* units, const char* long_name, T, auto column_of) {
-    std::vector<T> table(n.step.size * columns);
-    for (std::size_t a = 0; a < columns; ++a) {
-      const auto& column = column_of(result.answers[a]);
-      assert(column.size() == n.step.size && "a value for every step");
-      for (std::size_t s = 0; s < n.step.size; ++s) table[s * columns + a] = column[s];
-    }
-    group.datasets.push_back(owning(std::string("/results/") + name, table, {n.step, n.algorithm}, units, long_name));
+  const auto add = [&](const auto& column) {
+    group.datasets.push_back(of_answers("/results", column, result.answers, n.step, n.algorithm));
   };
-  for (const auto& c : kResultTimes)
-    add(
-        c.name, c.units, c.long_name, std::int64_t{}, [&](const Answers& a) -> const auto& { return a.*c.member; });
-  add("hits", "1", "pairs reported", std::uint64_t{}, [](const Answers& a) { return counts(a.hits); });
-  for (const auto& c : kResultCounts)
-    add(
-        c.name, c.units, c.long_name, std::uint64_t{}, [&](const Answers& a) -> const auto& { return a.*c.member; });
-  if (result.truth.containment == Containment::record)
-    add(
-        kContainedHit, "1", kContainedHitWhat, std::uint64_t{},
-        [](const Answers& a) -> const auto& { return a.contained_hit; });
+  for (const auto& column : kResultTimes) add(column);
+  std::vector<std::uint64_t> hits;
+  for (std::size_t s = 0; s < n.step.size; ++s)
+    for (const Answers& one : result.answers) hits.push_back(one.hits.at(s).size());
+  group.datasets.push_back(owning("/results/hits", hits, {n.step, n.algorithm}, "1", "pairs reported"));
+  for (const auto& column : kResultCounts) add(column);
+  if (result.truth.containment == Containment::record) add(kContainedHit);
   return group;
 }
 
@@ -324,21 +320,17 @@ Group answers(const Answers& answers, const Sizes& n) {
 Group summary(const Result& result, const Sizes& n) {
   Group group{"/summary", {}, {}};
   assert(result.summary.size() == n.algorithm.size && "a row for every algorithm");
-  const auto add = [&]<typename Stored>(const auto& column, Stored) {
-    std::vector<Stored> values;
-    for (const Summary& row : result.summary) values.push_back(static_cast<Stored>(row.*column.member));
-    group.datasets.push_back(
-        owning(std::string("/summary/") + column.name, values, {n.algorithm}, column.units, column.long_name));
+  const auto add = [&](const auto& column) {
+    group.datasets.push_back(of_rows("/summary", column, result.summary, n.algorithm));
   };
-  for (const auto& column : kSummaryCounts) add(column, std::uint64_t{});
-  for (const auto& column : kSummaryReals) add(column, double{});
-  add(Column<Summary, bool>{"promise_kept", &Summary::promise_kept, "1", "0 when a promise was broken"},
-      std::uint8_t{});
+  for (const auto& column : kSummaryCounts) add(column);
+  for (const auto& column : kSummaryReals) add(column);
+  add(kSummaryKept);
   if (result.truth.containment == Containment::record) {
     std::vector<std::uint64_t> values;
     for (const Summary& row : result.summary) values.push_back(row.contained_hit.value_or(0));
     group.datasets.push_back(
-        owning(std::string("/summary/") + kContainedHit, values, {n.algorithm}, "1", kContainedHitWhat));
+        owning(std::string("/summary/") + kContainedHit.name, values, {n.algorithm}, "1", kContainedHit.long_name));
   }
   return group;
 }
@@ -348,64 +340,38 @@ Group passes(const Passes& passes, const Sizes& n) {
   Group group{"/passes", {}, {}};
   auto& datasets = group.datasets;
   datasets.push_back(bare_scale(pass, "straight passes of the hero through an obstacle"));
-  const auto name = [](const auto& column) { return std::string("/passes/") + column.name; };
-  for (const auto& column : kPassTexts) {
-    std::vector<std::string> values;
-    for (const PassRow& row : passes.rows) values.push_back(row.*column.member);
-    datasets.push_back(texts(name(column), std::move(values), {pass}, column.long_name));
-  }
-  const auto add_rows = [&]<typename T>(const Column<PassRow, T>& column) {
-    std::vector<T> values;
-    for (const PassRow& row : passes.rows) values.push_back(row.*column.member);
-    datasets.push_back(owning(name(column), values, {pass}, column.units, column.long_name));
+  const auto add_rows = [&](const auto& columns) {
+    for (const auto& column : columns) datasets.push_back(of_rows("/passes", column, passes.rows, pass));
   };
-  const auto add_table = [&]<typename T>(const Column<PassAnswers, std::vector<T>>& column) {
-    const std::size_t algorithms = passes.answers.size();
-    std::vector<T> table(pass.size * algorithms);
-    for (std::size_t a = 0; a < algorithms; ++a)
-      for (std::size_t p = 0; p < pass.size; ++p) table[p * algorithms + a] = (passes.answers[a].*column.member)[p];
-    datasets.push_back(owning(name(column), table, {pass, n.algorithm}, column.units, column.long_name));
+  const auto add_table = [&](const auto& columns) {
+    for (const auto& column : columns)
+      datasets.push_back(of_answers("/passes", column, passes.answers, pass, n.algorithm));
   };
-  for (const auto& column : kPassCounts) add_rows(column);
-  for (const auto& column : kPassReals) add_rows(column);
+  add_rows(kPassTexts);
+  add_rows(kPassCounts);
+  add_rows(kPassReals);
   if (passes.answers.empty()) return group;
-  for (const auto& column : kPassAnswerReals) add_table(column);
-  for (const auto& column : kPassAnswerCounts) add_table(column);
+  add_table(kPassAnswerReals);
+  add_table(kPassAnswerCounts);
   return group;
 }
 
 Group extremes(const Extremes& extremes, const Sizes& n) {
   Group group{"/extremes", {}, {}};
   auto& datasets = group.datasets;
-  const auto name = [](const auto& column) { return std::string("/extremes/") + column.name; };
   assert(extremes.rows.size() == n.step.size && "a row for every step");
-  const auto values_of = [&]<typename T>(const Column<ExtremeCase, T>& column) {
-    std::vector<T> values;
-    for (const ExtremeCase& row : extremes.rows) values.push_back(row.*column.member);
-    return values;
-  };
   const auto add = [&](const auto& columns) {
-    for (const auto& column : columns)
-      datasets.push_back(owning(name(column), values_of(column), {n.step}, column.units, column.long_name));
+    for (const auto& column : columns) datasets.push_back(of_rows("/extremes", column, extremes.rows, n.step));
   };
-  for (const auto& column : kCaseTexts)
-    datasets.push_back(texts(name(column), values_of(column), {n.step}, column.long_name));
+  add(kCaseTexts);
   add(kCaseReals);
   add(kCaseIntegers);
   add(kCaseCounts);
   add(kCaseFlags);
-  const std::size_t algorithms = extremes.answers.size();
-  if (algorithms == 0) return group;
-  for (const auto& column : kCaseAnswerFlags) {
-    std::vector<std::uint8_t> table(n.step.size * algorithms);
-    for (std::size_t a = 0; a < algorithms; ++a)
-      for (std::size_t s = 0; s < n.step.size; ++s) table[s * algorithms + a] = (extremes.answers[a].*column.member)[s];
-    datasets.push_back(owning(name(column), table, {n.step, n.algorithm}, column.units, column.long_name));
-  }
-  std::vector<std::string> reasons;
-  for (const ExtremeAnswers& answers : extremes.answers) reasons.push_back(answers.reason);
-  datasets.push_back(texts(std::string("/extremes/") + kCaseReason, std::move(reasons), {n.algorithm},
-                           "what the algorithm said when it first failed; empty: it never did"));
+  if (extremes.answers.empty()) return group;
+  for (const auto& column : kCaseAnswerFlags)
+    datasets.push_back(of_answers("/extremes", column, extremes.answers, n.step, n.algorithm));
+  datasets.push_back(of_rows("/extremes", kCaseReason, extremes.answers, n.algorithm));
   return group;
 }
 
@@ -416,15 +382,7 @@ Group study(const std::vector<StudyRow>& rows) {
   std::vector<std::int64_t> number(rows.size());
   std::iota(number.begin(), number.end(), 0);
   datasets.push_back(scale(owning(cases.scale, number, {cases}, "1", "number of the case, from 0")));
-  each_study_column([&]<typename T>(const Column<StudyRow, T>& column, Type) {
-    std::vector<std::conditional_t<std::same_as<T, bool>, std::uint8_t, T>> values;
-    for (const StudyRow& row : rows) values.push_back(row.*column.member);
-    const std::string path = std::string("/study/") + column.name;
-    if constexpr (std::same_as<T, std::string>)
-      datasets.push_back(texts(path, std::move(values), {cases}, column.long_name));
-    else
-      datasets.push_back(owning(path, values, {cases}, column.units, column.long_name));
-  });
+  each_study_column([&](const auto& column) { datasets.push_back(of_rows("/study", column, rows, cases)); });
   return group;
 }
 

@@ -1,6 +1,7 @@
 // A result as named arrays: the one description of the file's contents, which the writer puts into HDF5 and the digest
 // reads from memory. Knows names, units and dimensions; knows no HDF5.
 #pragma once
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,6 +19,15 @@ enum class Type { f64, i64, u64, u32, u8, text };
 
 /// Bytes of one element; 0 for text.
 std::size_t size_of(Type type);
+
+template <typename T>
+constexpr Type type_of() {
+  if constexpr (std::same_as<T, double>) return Type::f64;
+  if constexpr (std::same_as<T, std::int64_t>) return Type::i64;
+  if constexpr (std::same_as<T, std::uint64_t>) return Type::u64;
+  if constexpr (std::same_as<T, std::uint32_t>) return Type::u32;
+  if constexpr (std::same_as<T, std::uint8_t>) return Type::u8;
+}
 
 /// A named scalar of a group or dataset.
 struct Attribute {
@@ -67,8 +77,8 @@ std::vector<Group> layout(const Result& result);
 /// The last name of a path.
 std::string_view base_name(std::string_view path);
 
-/// A column of the file and the member it comes from.
-template <typename Row, typename T>
+/// A column of the file and the member it comes from. `Stored` are the values of the dataset.
+template <typename Row, typename T, typename Stored = T>
 struct Column {
   const char* name;
   T Row::*member;
@@ -120,18 +130,19 @@ inline constexpr Column<ExtremeAnswers, std::vector<std::uint8_t>> kCaseAnswerFl
     {"swapped", &ExtremeAnswers::swapped, "1", "its answer with the two bodies in the other order"},
     {"moved", &ExtremeAnswers::moved, "1", "its answer with both bodies moved by an exactly representable step"},
     {"failed", &ExtremeAnswers::failed, "1", "1: it refused the bodies, 2: it threw; then its other flags are 0"}};
-inline constexpr char kCaseReason[] = "failure";
+inline constexpr Column<ExtremeAnswers, std::string> kCaseReason{
+    "failure", &ExtremeAnswers::reason, "1", "what the algorithm said when it first failed; empty: it never did"};
 
-// A column of /results and of /summary, there only with Containment::record.
-inline constexpr char kContainedHit[] = "contained_hit";
-inline constexpr char kContainedHitWhat[] =
-    "pairs reported whose surfaces do not meet, one body being inside the other";
+/// A column of /results and of /summary, there only with Containment::record.
+inline constexpr Column<Answers, std::vector<std::uint64_t>> kContainedHit{
+    "contained_hit", &Answers::contained_hit, "1",
+    "pairs reported whose surfaces do not meet, one body being inside the other"};
 
 inline constexpr Column<PhysicsSample, double> kPhysicsReals[] = {
     {"energy", &PhysicsSample::energy, "J", "kinetic, gravity and elastic energy; gravity counted from y = 0"},
     {"kinetic_energy", &PhysicsSample::kinetic_energy, "J", "kinetic energy"},
     {"greatest_penetration", &PhysicsSample::greatest_penetration, "m", "greatest depth of a contact; 0 without one"}};
-inline constexpr Column<PhysicsSample, std::int64_t> kPhysicsCounts[] = {
+inline constexpr Column<PhysicsSample, std::int64_t, std::uint64_t> kPhysicsCounts[] = {
     {"contacts", &PhysicsSample::contacts, "1", "contacts at the sample"},
     {"integrator_steps", &PhysicsSample::integrator_steps, "1", "internal steps since the sample before"},
     {"rejected_steps", &PhysicsSample::rejected_steps, "1", "internal steps rejected since the sample before"},
@@ -156,6 +167,8 @@ inline constexpr Column<Summary, double> kSummaryReals[] = {
     {"time_mean_ns", &Summary::time_mean_ns, "ns", "mean over steps of the fastest repeat"},
     {"time_median_ns", &Summary::time_median_ns, "ns", "median over steps of the fastest repeat"},
     {"time_p95_ns", &Summary::time_p95_ns, "ns", "95th percentile over steps of the fastest repeat"}};
+inline constexpr Column<Summary, bool, std::uint8_t> kSummaryKept{"promise_kept", &Summary::promise_kept, "1",
+                                                                  "0 when a promise was broken"};
 
 inline constexpr Column<PassRow, std::string> kPassTexts[] = {
     {"target", &PassRow::target, "1", "body that the hero passes through"},
@@ -225,20 +238,20 @@ inline constexpr Column<StudyRow, std::uint64_t> kStudyCounts[] = {
     {"steps", &StudyRow::steps, "1", "internal steps"},
     {"rejected_steps", &StudyRow::rejected_steps, "1", "internal steps tried and rejected"},
     {"force_evaluations", &StudyRow::force_evaluations, "1", "evaluations of forces"}};
-inline constexpr Column<StudyRow, bool> kStudyFinished{"finished", &StudyRow::finished, "1",
-                                                       "1 when the end was reached"};
+inline constexpr Column<StudyRow, bool, std::uint8_t> kStudyFinished{"finished", &StudyRow::finished, "1",
+                                                                     "1 when the end was reached"};
 inline constexpr Column<StudyRow, std::int64_t> kStudyTime{
     "time_ns", &StudyRow::time_ns, "ns", "time of processor for the integration; the fastest of up to five"};
 
-/// Tells `each` every column of /study with the type in which it is stored, in the file's order.
+/// Tells `each` every column of /study, in the file's order.
 template <typename Each>
 void each_study_column(const Each& each) {
-  for (const auto& column : kStudyTexts) each(column, Type::text);
-  for (const auto& column : kStudyParameters) each(column, Type::f64);
-  for (const auto& column : kStudyReals) each(column, Type::f64);
-  for (const auto& column : kStudyCounts) each(column, Type::u64);
-  each(kStudyFinished, Type::u8);
-  each(kStudyTime, Type::i64);
+  for (const auto& column : kStudyTexts) each(column);
+  for (const auto& column : kStudyParameters) each(column);
+  for (const auto& column : kStudyReals) each(column);
+  for (const auto& column : kStudyCounts) each(column);
+  each(kStudyFinished);
+  each(kStudyTime);
 }
 
 }  // namespace pipeline

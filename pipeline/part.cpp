@@ -174,11 +174,8 @@ Part::Part(const fs::path& folder, const PartKey& key, const std::string& title,
   seal_ = mine.dump();
   const nlohmann::json found = manifest_of(folder);
   if (found == mine) {
-    if (study) {
-      resumed_ = part_status(folder).cases > 0;
-      return;
-    }
-    resumed_ = fs::exists(folder / chunk_name("motion", 0)) || fs::exists(folder / chunk_name("truth", 0));
+    resumed_ = study ? part_status(folder).cases > 0
+                     : fs::exists(folder / chunk_name("motion", 0)) || fs::exists(folder / chunk_name("truth", 0));
     return;
   }
   if (fs::exists(folder / kManifest) && !force) {

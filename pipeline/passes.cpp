@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "pipeline/score.hpp"
+
 namespace pipeline {
 namespace {
 
@@ -152,8 +154,7 @@ TargetSummary summarise(const std::vector<PassRow>& rows, const PassAnswers& ans
   out.median = out.earliest = out.latest = std::numeric_limits<double>::quiet_NaN();
   if (first.empty()) return out;
   std::ranges::sort(first);
-  const std::size_t middle = first.size() / 2;
-  out.median = first.size() % 2 ? first[middle] : 0.5 * (first[middle - 1] + first[middle]);
+  out.median = median(first);
   out.earliest = first.back();
   out.latest = first.front();
   return out;

@@ -164,7 +164,7 @@ class Reader {
     geometry::Pose& pose = poses_.back()[b];
     pose.t = {real(fields, 2), real(fields, 3), real(fields, 4)};
     const geometry::Quaternion q{real(fields, 5), real(fields, 6), real(fields, 7), real(fields, 8)};
-    const double norm = std::sqrt(((q.w * q.w + q.x * q.x) + q.y * q.y) + q.z * q.z);
+    const double norm = geometry::norm(q);
     if (!(std::abs(norm - 1) <= kNormTolerance))
       fail("the quaternion must be of length 1 within 1e-6, not " + real_text(norm));
     pose.q = geometry::normalised(q);

@@ -24,6 +24,9 @@ struct PairLists {
     pair.insert(pair.end(), step.begin(), step.end());
     offset.push_back(pair.size());
   }
+  void append_steps(const PairLists& steps) {
+    for (std::size_t s = 0; s < steps.steps(); ++s) append(steps.at(s));
+  }
   std::span<const Pair> at(std::size_t step) const {
     return std::span(pair).subspan(offset[step], offset[step + 1] - offset[step]);
   }

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
@@ -12,24 +11,19 @@
 #include "pipeline/motion.hpp"
 #include "pipeline/part.hpp"
 #include "pipeline/passes.hpp"
+#include "pipeline/plan.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/score.hpp"
 #include "pipeline/store.hpp"
 #include "pipeline/study.hpp"
+#include "pipeline/threads.hpp"
 #include "pipeline/truth.hpp"
 
 namespace pipeline {
 namespace fs = std::filesystem;
 namespace {
-
-std::string human(std::uint64_t bytes) {
-  char text[32];
-  const bool large = bytes >= (1u << 30);
-  std::snprintf(text, sizeof text, large ? "%.1f GiB" : "%.1f MiB", double(bytes) / double(large ? 1 << 30 : 1 << 20));
-  return text;
-}
 
 std::vector<std::int64_t> first_steps(const std::vector<std::vector<geometry::Pose>>& poses, std::size_t bodies) {
   std::vector<std::int64_t> first(bodies, -1);
@@ -59,8 +53,14 @@ void describe(Result& result, const Config& config, Provenance from, std::chrono
   result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-int thread_count(const RunOptions& options) {
-  return options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
+/// What algorithms answer about a motion and its truth; of extremes, which have `sets`, also case by case.
+ExtremesDetected answered(const Result& result, const std::vector<CaseSet>& sets,
+                          const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Part* part,
+                          bool quiet) {
+  Progress progress("detect", result.steps(), quiet);
+  if (sets.empty())
+    return {detect(result.bodies, result.motion, result.truth, choices, repeats, machine(), part, progress), {}};
+  return detect_extremes(result.bodies, result.motion, result.truth, sets, choices, repeats, machine(), part, progress);
 }
 
 /// A study: cases instead of a scene.
@@ -73,7 +73,7 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
   Part part(part_path, part_key(config, from), config.title, std::int64_t(cases.size()), options.force, true);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   // More would be short of processor, and its budget of wall time could decide.
-  const int processes = std::min(thread_count(options), int(std::max(1u, std::thread::hardware_concurrency())));
+  const int processes = std::min(thread_count(options.threads), thread_count(0));
   Result result;
   {
     Progress progress("cases", cases.size(), options.quiet);
@@ -93,55 +93,6 @@ fs::path output_path(const Config& config, const RunOptions& options) {
   return fs::path("results") / (config.path.stem().string() + ".h5");
 }
 
-Plan plan(const Config& config) {
-  if (config.study) {
-    constexpr std::uint64_t kCaseBytes = 1024, kNames = 1 << 16;  // of a row with its texts; of attributes and names
-    const std::uint64_t cases = study_cases(*config.study).size();
-    Plan plan;
-    plan.cases = cases;
-    plan.file_bytes = kNames + cases * kCaseBytes;
-    plan.memory_bytes = 4 * cases * kCaseBytes;
-    return plan;
-  }
-  const SceneSize size = config.scene_kind->size(config);
-  Plan plan{.bodies = size.bodies, .meshes = size.meshes, .triangles = size.mesh_triangles};
-  plan.pairs = size.pairs.value_or(size.bodies * (size.bodies - 1) / 2);
-  plan.passes = size.passes;
-  plan.case_sets = size.case_sets;
-  const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
-  const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
-  plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);
-  if (plan.case_sets > 0) {  // two bodies a step make lists; of the others there are only poses
-    constexpr std::uint64_t kPose = 7 * 8, kRow = 80, kFlags = 5;
-    plan.file_bytes =
-        estimated_bytes(steps, 2, algorithms, mesh_bytes) + steps * (size.bodies * kPose + kRow + kFlags * algorithms);
-  }
-  // Gaps: about as many pairs as an algorithm reports, each with two reals.
-  if (config.gap_margin) plan.file_bytes += steps * (4 * size.bodies * 24 + 8);
-  // In memory: the result and, while it is written, once more its datasets; of every distinct mesh the hierarchies and
-  // sampled facets (about 200 bytes a triangle) of the truth and of each algorithm. Gaps: on every thread the world
-  // vertices (24 bytes) and boxes (48 bytes, up to four a vertex) of all bodies.
-  plan.memory_bytes = 2 * plan.file_bytes + (1 + algorithms) * 200 * size.mesh_triangles;
-  if (config.gap_margin) {
-    const std::uint64_t chunks = (steps + kChunkSteps - 1) / kChunkSteps;
-    const std::uint64_t threads = std::max(1u, std::thread::hardware_concurrency());
-    plan.memory_bytes += std::min(threads, chunks) * (24 + 4 * 48) * size.body_vertices;
-  }
-  if (plan.case_sets > 0) plan.memory_bytes += plan.file_bytes;  // nearly all is motion, there once more for a moment
-  return plan;
-}
-
-void refuse_if_too_large(const Plan& plan, const fs::path& output) {
-  if (plan.memory_bytes > machine_memory())
-    throw Error(kInput, "the run needs about " + human(plan.memory_bytes) + " of memory, this machine has " +
-                            human(machine_memory()) + "; fewer steps, bodies or segments make it smaller");
-  // Twice: the part and the file exist together for a moment.
-  if (2 * plan.file_bytes > free_disk(output))
-    throw Error(kInput, output.string() + ": the run needs about " + human(2 * plan.file_bytes) +
-                            " of disk, there is " + human(free_disk(output)) +
-                            " free; choose another -o or fewer steps");
-}
-
 Result run(const Config& config, const RunOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const fs::path output = output_path(config, options);
@@ -158,7 +109,7 @@ Result run(const Config& config, const RunOptions& options) {
   Target target(output, options.force);
   Part part(part_path, part_key(config, from), config.title, config.steps, options.force);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
-  const int threads = thread_count(options);
+  const int threads = thread_count(options.threads);
   const std::uint64_t steps = std::uint64_t(config.steps);
 
   Result result;
@@ -179,41 +130,32 @@ Result run(const Config& config, const RunOptions& options) {
       progress.add(steps);
     }
   }
+  result.bodies = std::move(scene.bodies);
   {
     Progress progress("truth", steps, options.quiet);
-    result.truth = decide(scene.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);
+    result.truth = decide(result.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);
   }
   if (!scene.case_sets.empty()) {
-    result.extremes.emplace();
-    {
-      Progress progress("cases", steps, options.quiet);
-      result.extremes->rows =
-          extreme_rows(scene.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
-    }
-    Progress progress("detect", steps, options.quiet);
-    ExtremesDetected found = detect_extremes(scene.bodies, result.motion, result.truth, scene.case_sets,
-                                             config.algorithms, config.repeats, machine(), &part, progress);
-    result.answers = std::move(found.answers);
-    result.extremes->answers = std::move(found.cases);
-  } else {
-    Progress progress("detect", steps, options.quiet);
-    result.answers = detect(scene.bodies, result.motion, result.truth, config.algorithms, config.repeats, machine(),
-                            &part, progress);
+    Progress progress("cases", steps, options.quiet);
+    result.extremes.emplace().rows =
+        extreme_rows(result.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
   }
+  ExtremesDetected found = answered(result, scene.case_sets, config.algorithms, config.repeats, &part, options.quiet);
+  result.answers = std::move(found.answers);
+  if (result.extremes) result.extremes->answers = std::move(found.cases);
   if (!scene.passes.empty()) {
     Progress progress("passes", scene.passes.size() * (1 + result.answers.size()), options.quiet);
     Passes passes;
-    passes.rows = pass_rows(scene.bodies, result.motion, result.truth, scene.passes, progress);
+    passes.rows = pass_rows(result.bodies, result.motion, result.truth, scene.passes, progress);
     for (std::size_t a = 0; a < result.answers.size(); ++a)
-      passes.answers.push_back(pass_answers(scene.bodies, result.motion, result.truth, scene.passes, passes.rows,
+      passes.answers.push_back(pass_answers(result.bodies, result.motion, result.truth, scene.passes, passes.rows,
                                             result.answers[a], config.algorithms[a], progress));
     result.passes = std::move(passes);
   }
-  const std::uint64_t pairs = total_pairs(scene.bodies, result.motion);
+  const std::uint64_t pairs = total_pairs(result.bodies, result.motion);
   for (const Answers& answers : result.answers) result.summary.push_back(summarise(answers, pairs));
 
-  result.first_step = first_steps(result.motion, scene.bodies.size());
-  result.bodies = std::move(scene.bodies);
+  result.first_step = first_steps(result.motion, result.bodies.size());
   describe(result, config, std::move(from), start);
   part.mark_complete();
   write_result(result, target);
@@ -250,22 +192,16 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
         throw Error(kInput, "--algorithm: the label '" + label + "' is given twice; name another with @LABEL");
   }
 
-  std::vector<Answers> fresh;
-  std::vector<ExtremeAnswers> fresh_cases;
+  std::vector<CaseSet> sets;
   if (result.extremes) {
-    const std::vector<CaseSet> sets = config.scene_kind->make(config).case_sets;
+    sets = config.scene_kind->make(config).case_sets;
     if (sets.empty() || std::size_t(sets.back().first_step + sets.back().steps) != result.steps())
       throw Error(kFile, file.string() + ": its cases are not those of its configuration; run again with --force");
-    Progress progress("detect", result.steps(), options.quiet);
-    ExtremesDetected found = detect_extremes(result.bodies, result.motion, result.truth, sets, choices, config.repeats,
-                                             machine(), nullptr, progress);
-    fresh = std::move(found.answers);
-    fresh_cases = std::move(found.cases);
   } else {
     refuse_unfit(result.bodies, choices);
-    Progress progress("detect", result.steps(), options.quiet);
-    fresh = detect(result.bodies, result.motion, result.truth, choices, config.repeats, machine(), nullptr, progress);
   }
+  ExtremesDetected found = answered(result, sets, choices, config.repeats, nullptr, options.quiet);
+  std::vector<Answers>& fresh = found.answers;
   std::vector<PassAnswers> fresh_passes;
   if (result.passes) {
     // The file holds where the hero was at its samples; where it was between them its configuration says.
@@ -288,7 +224,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
       if (result.extremes) result.extremes->answers.emplace_back();
     }
     if (result.passes) result.passes->answers[at] = std::move(fresh_passes[i]);
-    if (result.extremes) result.extremes->answers[at] = std::move(fresh_cases[i]);
+    if (result.extremes) result.extremes->answers[at] = std::move(found.cases[i]);
     result.summary[at] = summarise(answers, pairs);
     result.answers[at] = std::move(answers);
   }

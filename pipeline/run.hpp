@@ -16,18 +16,7 @@ struct RunOptions {
   bool quiet = false;            // no progress
 };
 
-/// What a run would be, and how large. Bytes are estimates from above for what grows with the configuration.
-struct Plan {
-  std::uint64_t bodies = 0, meshes = 0, triangles = 0, pairs = 0, passes = 0, case_sets = 0;
-  std::uint64_t cases = 0;  // of a study, which has nothing of the above
-  std::uint64_t file_bytes = 0, memory_bytes = 0;
-};
-Plan plan(const Config& config);
-
 std::filesystem::path output_path(const Config& config, const RunOptions& options);
-
-/// Throws Error(kInput) when the plan does not fit this machine's memory or the disk at `output`.
-void refuse_if_too_large(const Plan& plan, const std::filesystem::path& output);
 
 /// Simulates, decides, detects, scores and stores. Resumes an unfinished run of the same configuration and build.
 /// Throws Error.

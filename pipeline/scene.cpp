@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace pipeline {
 
@@ -36,11 +37,10 @@ geometry::Pose pose_of(const BodyState& state) {
 }
 
 RigidBody solid_sphere(const geometry::Mesh& mesh, double density, ContactRadius contact_radius) {
-  constexpr double kPi = 3.14159265358979323846;
   const double nominal = mesh.sphere_radius;
   RigidBody sphere;
   sphere.radius = contact_radius == ContactRadius::nominal ? nominal : geometry::inscribed_radius(mesh);
-  sphere.mass = density * (4.0 / 3.0) * kPi * (nominal * nominal * nominal);
+  sphere.mass = density * (4.0 / 3.0) * std::numbers::pi * (nominal * nominal * nominal);
   sphere.inertia = 0.4 * sphere.mass * (nominal * nominal);
   return sphere;
 }

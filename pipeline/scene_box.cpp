@@ -14,7 +14,7 @@
 //
 // A push adds to the velocity, as an impulse does: what flies fast against it is slowed down.
 #include <cmath>
-#include <cstdio>
+#include <numbers>
 
 #include "geometry/shapes.hpp"
 #include "pipeline/error.hpp"
@@ -45,11 +45,10 @@ std::string sphere_name(std::int64_t sphere) { return "sphere_" + std::to_string
 /// No more spheres than any packing holds. Copies of the cube tile space, so a packing of the cube is one of space, and
 /// none of those fills more than pi / sqrt(18) (Hales 2005).
 void refuse_too_many(const Section& section, const BoxScene& box, std::int64_t steps) {
-  constexpr double kPi = 3.14159265358979323846;
   const std::int64_t spheres = born_by(box, steps - 1);
   const double width = 2 * box.half_width, r = box.radius;
-  const double filled = double(spheres) * (4.0 / 3.0 * kPi) * (r * r * r) / (width * width * width);
-  if (filled > kPi / std::sqrt(18.0))
+  const double filled = double(spheres) * (4.0 / 3.0 * std::numbers::pi) * (r * r * r) / (width * width * width);
+  if (filled > std::numbers::pi / std::sqrt(18.0))
     section.fail("'scene.births' must fit into the cube: " + std::to_string(spheres) + " spheres would fill " +
                  real_text(std::round(filled * 1000) / 1000) +
                  " of it and no packing fills more than 0.74; lower 'scene.births.count' or 'scene.radius', or raise "
@@ -111,14 +110,13 @@ void write(const Config& config, TomlText& out) {
 
 SceneSize size(const Config& config) {
   const BoxScene& box = box_of(config);
-  const std::uint64_t rows = std::uint64_t(box.segments) + 2;  // geometry::sphere
-  const std::uint64_t vertices = 2 * rows * (rows - 1) + 2, triangles = 4 * rows * (rows - 1);
+  const MeshSize plate = mesh_size(BoxShape{}), sphere = mesh_size(SphereShape{box.radius, box.segments});
   const std::uint64_t spheres = std::uint64_t(box.births.count);
   return {.bodies = kPlates + spheres,
           .meshes = 4,
-          .mesh_vertices = 3 * 8 + vertices,
-          .mesh_triangles = 3 * 12 + triangles,
-          .body_vertices = kPlates * 8 + spheres * vertices};
+          .mesh_vertices = 3 * plate.vertices + sphere.vertices,
+          .mesh_triangles = 3 * plate.triangles + sphere.triangles,
+          .body_vertices = kPlates * plate.vertices + spheres * sphere.vertices};
 }
 
 /// Bodies 0 to 5 are the plates -x, +x, -y, +y, -z, +z, each as wide as the whole cube, so that they overlap along its
@@ -140,10 +138,8 @@ Scene make(const Config& config) {
     geometry::Vec3 sides(whole, whole, whole);
     sides[axis] = box.thickness;
     bodies.meshes.push_back(geometry::box(std::string("plate_") + kAxes[axis], sides));
-    RigidBody plate;
-    plate.fixed = true;
-    plate.sphere = false;
-    plate.half_extents = {sides.x() / 2, sides.y() / 2, sides.z() / 2};
+    const RigidBody plate{
+        .fixed = true, .sphere = false, .half_extents = {sides.x() / 2, sides.y() / 2, sides.z() / 2}};
     for (const double side : {-1.0, 1.0}) {
       BodyState state;
       state.position[axis] = side * (box.half_width + box.thickness / 2);

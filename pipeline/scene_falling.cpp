@@ -12,6 +12,11 @@ std::vector<FallingSet> thesis_sets() {
           {.lying = {6, 6}, .above = {6, 6, 6}, .corner = {-5, -3}, .spacing = 2.1, .height = 75}};
 }
 
+/// At most 1e12 + 1e18 by the rules for each count: no overflow.
+std::int64_t sphere_count(const FallingSet& set) {
+  return set.lying[0] * set.lying[1] + set.above[0] * set.above[1] * set.above[2];
+}
+
 void read(const Section& s, Config& config) {
   s.only({"kind", "segments", "radius", "density", "plate", "shift", "set"});
   FallingScene scene;
@@ -30,8 +35,7 @@ void read(const Section& s, Config& config) {
     t.reals("corner", set.corner, kCoordinate);
     set.spacing = t.real("spacing", set.spacing, kLength);
     set.height = t.real("height", set.height, kCoordinate);
-    // At most 1e6 + 1e12 + 1e18: no overflow.
-    spheres += set.lying[0] * set.lying[1] + set.above[0] * set.above[1] * set.above[2];
+    spheres += sphere_count(set);
     if (spheres > kMostBodies)
       t.fail("'scene.set' must hold at most " + std::to_string(kMostBodies) + " spheres, not " +
              std::to_string(spheres) + "; lower 'lying' or 'above'");
@@ -58,21 +62,16 @@ void write(const Config& config, TomlText& out) {
   }
 }
 
-std::uint64_t sphere_count(const FallingSet& set) {
-  return std::uint64_t(set.lying[0] * set.lying[1] + set.above[0] * set.above[1] * set.above[2]);
-}
-
 SceneSize size(const Config& config) {
   const FallingScene& scene = std::get<FallingScene>(config.scene);
   std::uint64_t spheres = 0;
-  for (const FallingSet& set : scene.sets) spheres += sphere_count(set);
-  const std::uint64_t rows = std::uint64_t(scene.segments) + 2;  // geometry::sphere
-  const std::uint64_t vertices = 2 * rows * (rows - 1) + 2, triangles = 4 * rows * (rows - 1);
+  for (const FallingSet& set : scene.sets) spheres += std::uint64_t(sphere_count(set));
+  const MeshSize plate = mesh_size(BoxShape{}), sphere = mesh_size(SphereShape{scene.radius, scene.segments});
   return {.bodies = 1 + spheres,
           .meshes = 2,
-          .mesh_vertices = 8 + vertices,
-          .mesh_triangles = 12 + triangles,
-          .body_vertices = 8 + spheres * vertices};
+          .mesh_vertices = plate.vertices + sphere.vertices,
+          .mesh_triangles = plate.triangles + sphere.triangles,
+          .body_vertices = plate.vertices + spheres * sphere.vertices};
 }
 
 /// Body 0 is the plate, then set by set the lying and the upper spheres, x slowest.
@@ -90,15 +89,10 @@ Scene make(const Config& config) {
     bodies.mesh.push_back(mesh);
     bodies.fixed.push_back(rigid.fixed);
     scene.rigid.push_back(rigid);
-    BodyState state;
-    state.position = {x, y, z};
-    scene.states.push_back(state);
+    scene.states.push_back({.position = {x, y, z}});
   };
 
-  RigidBody floor;
-  floor.fixed = true;
-  floor.sphere = false;
-  floor.half_extents = {plate[0] / 2, plate[1] / 2, plate[2] / 2};
+  const RigidBody floor{.fixed = true, .sphere = false, .half_extents = {plate[0] / 2, plate[1] / 2, plate[2] / 2}};
   add("plate", 0, floor, 0, -plate[1] / 2, 0);
 
   const RigidBody sphere = solid_sphere(bodies.meshes[1], falling.density, config.contact_radius);

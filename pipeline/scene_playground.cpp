@@ -6,6 +6,7 @@
 // extents: bounding_sphere and cannon_naive report nobody else either.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "geometry/portable_math.hpp"
@@ -18,7 +19,6 @@ using geometry::Quaternion;
 using geometry::Vec3;
 using Hero = PlaygroundPath::Hero;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kBeyond = 1;        // m, from the bounding spheres to the end of a pass along an axis
 constexpr double kOff = 1.7;         // m, the thesis's passes off the middle
 constexpr double kLeastStep = 1e-3;  // m
@@ -31,7 +31,7 @@ const std::vector<std::string> kAxes = {"x", "y", "z"};
 /// A turn about an axis of the world.
 Quaternion turn(int axis, double degrees) {
   // A quarter turn has equal parts: with those of sin and cos the middle of a side would not stay on its axis.
-  const double half = degrees / 360 * kPi;
+  const double half = degrees / 360 * std::numbers::pi;
   double c = geometry::portable::cos(half), s = geometry::portable::sin(half);
   if (std::fabs(degrees) == 90) s = std::copysign(c, degrees);
   Quaternion q{c, 0, 0, 0};
@@ -53,8 +53,8 @@ Quaternion read_orientation(const Section& s) {
   double wxyz[4] = {};
   s.reals("orientation", wxyz, {.least = -2, .most = 2});
   const Quaternion q{wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
-  const double norm = std::sqrt(((q.w * q.w + q.x * q.x) + q.y * q.y) + q.z * q.z);
-  if (!(std::fabs(norm - 1) <= 1e-6)) s.refuse("orientation", "be a quaternion [w, x, y, z] of length 1, to 1e-6");
+  if (!(std::fabs(geometry::norm(q) - 1) <= 1e-6))
+    s.refuse("orientation", "be a quaternion [w, x, y, z] of length 1, to 1e-6");
   return geometry::normalised(q);
 }
 
@@ -199,9 +199,7 @@ std::vector<Pass> all_passes(const PlaygroundScene& scene) {
 // ---- Keys --------------------------------------------------------------------------------------------------------
 
 void refuse_bad_name(const Section& s, const std::string& name, const std::set<std::string>& taken) {
-  constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.+-";
-  if (name.empty() || name.size() > 64 || name.find_first_not_of(kAllowed) != std::string::npos)
-    s.refuse("name", "be 1 to 64 characters of A-Z a-z 0-9 _ . + -");
+  if (!valid_label(name)) s.refuse("name", kLabelRule);
   if (taken.contains(name)) s.refuse("name", "be the only one of its name", "give it another");
 }
 

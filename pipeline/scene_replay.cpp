@@ -37,6 +37,9 @@ constexpr Range kAnyCoordinate{.least = -geometry::kGreatestCoordinate, .most = 
 
 // ---- Keys --------------------------------------------------------------------------------------------------------
 
+/// Where a key stands and what it is called, for messages.
+std::string place_of(const Section& s, const char* key) { return s.place(key) + ": '" + s.full(key) + "'"; }
+
 ReplayBody read_body(const Section& s) {
   ReplayBody body;
   if (!s.has("name")) s.fail("missing key '" + s.full("name") + "', the name of the body");
@@ -48,12 +51,12 @@ ReplayBody read_body(const Section& s) {
     s.only(others);
     body.mesh = s.text("mesh", "");
     if (body.mesh.empty()) s.refuse("mesh", "name a file");
-    body.place = s.place("mesh") + ": '" + s.full("mesh") + "'";
+    body.place = place_of(s, "mesh");
   } else {
     if (!s.has("shape"))
       s.fail("missing key '" + s.full("mesh") + "', or 'shape' with its parameters; see `pipeline list shapes`");
     body.shape = read_shape(s, others);
-    body.place = s.place("shape") + ": '" + s.full("shape") + "'";
+    body.place = place_of(s, "shape");
   }
   body.fixed = s.boolean("fixed", false);
   if (!body.fixed)
@@ -64,7 +67,7 @@ ReplayBody read_body(const Section& s) {
     if (!body.position) s.fail("missing key '" + s.full("position") + "' beside 'orientation'");
     auto& q = body.orientation;
     s.reals("orientation", q, kAnyCoordinate);
-    const double norm = std::sqrt(((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]) + q[3] * q[3]);
+    const double norm = geometry::norm({q[0], q[1], q[2], q[3]});
     if (!(std::abs(norm - 1) <= kNormTolerance))
       s.refuse("orientation", "be a quaternion [w, x, y, z] of length 1 within 1e-6",
                "its length is " + real_text(norm));
@@ -77,20 +80,20 @@ void read(const Section& s, Config& config) {
   ReplayScene scene;
   scene.only = s.texts("only");
   if (s.has("only") && scene.only.empty()) s.refuse("only", "name at least one body", "leave it out for all pairs");
-  if (s.has("only")) scene.only_place = s.place("only") + ": '" + s.full("only") + "'";
+  if (s.has("only")) scene.only_place = place_of(s, "only");
   if (s.has("motion")) {
     const std::string remedy = "bodies, meshes and poses are those of that result";
     for (const char* key : {"poses", "body"})
       if (s.has(key)) s.refuse(key, "be absent where 'motion' is given", remedy);
     scene.motion = s.text("motion", "");
     if (scene.motion.empty()) s.refuse("motion", "name a result file");
-    scene.place = s.place("motion") + ": '" + s.full("motion") + "'";
+    scene.place = place_of(s, "motion");
   } else {
     if (!s.has("poses"))
       s.fail("missing key '" + s.full("poses") + "', a CSV file; or 'motion', the result of an earlier run");
     scene.poses = s.text("poses", "");
     if (scene.poses.empty()) s.refuse("poses", "name a CSV file");
-    scene.place = s.place("poses") + ": '" + s.full("poses") + "'";
+    scene.place = place_of(s, "poses");
     std::set<std::string> taken;
     for (const Section& t : s.sections("body")) {
       scene.bodies.push_back(read_body(t));

@@ -2,15 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace pipeline {
 namespace {
-
-template <class T>
-T total(const std::vector<T>& column) {
-  return std::accumulate(column.begin(), column.end(), T{0});
-}
 
 double ratio(double numerator, double denominator) {
   return denominator == 0 ? std::numeric_limits<double>::quiet_NaN() : numerator / denominator;
@@ -41,7 +35,7 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   std::sort(times.begin(), times.end());
   const std::size_t n = times.size();
   row.time_mean_ns = double(total(times)) / double(n);
-  row.time_median_ns = n % 2 ? double(times[n / 2]) : 0.5 * (double(times[n / 2 - 1]) + double(times[n / 2]));
+  row.time_median_ns = median(times);
   row.time_p95_ns = double(times[(95 * n + 99) / 100 - 1]);
 
   if (answers.promise == "conservative") row.promise_kept = row.false_negative == total(answers.rounding_miss);

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/config.hpp"
 #include "pipeline/extremes.hpp"
 #include "pipeline/passes.hpp"
-#include "pipeline/problem.hpp"
-#include "pipeline/scene.hpp"
+#include "pipeline/print.hpp"
 #include "pipeline/store.hpp"
 #include "pipeline/truth.hpp"
 #include "pipeline/words.hpp"
@@ -19,47 +17,6 @@ namespace pipeline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string print(const char* format, ...) __attribute__((format(printf, 1, 2)));
-std::string print(const char* format, ...) {
-  va_list arguments, again;
-  va_start(arguments, format);
-  va_copy(again, arguments);
-  std::string text(std::size_t(std::vsnprintf(nullptr, 0, format, arguments)), '\0');
-  std::vsnprintf(text.data(), text.size() + 1, format, again);
-  va_end(again);
-  va_end(arguments);
-  return text;
-}
-
-Json value_json(const algorithms::Value& value) {
-  return std::visit([](const auto& v) { return Json(v); }, value);
-}
-
-/// Bytes of a file name that are no UTF-8 become the replacement character.
-std::string dumped(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
-
-const char* type_name(const algorithms::Value& value) {
-  constexpr const char* kNames[] = {"boolean", "integer", "real", "text"};
-  return kNames[value.index()];
-}
-
-std::string range_text(const algorithms::Knob& knob) {
-  if (!knob.choices.empty()) {
-    std::string text;
-    for (const std::string& choice : knob.choices) text += (text.empty() ? "" : " | ") + choice;
-    return text;
-  }
-  std::string text;
-  if (std::isfinite(knob.least) && std::isfinite(knob.most))
-    text = print("%.15g to %.15g", knob.least, knob.most);
-  else if (std::isfinite(knob.least))
-    text = print("at least %.15g", knob.least);
-  else if (std::isfinite(knob.most))
-    text = print("at most %.15g", knob.most);
-  if (!knob.rule.empty()) text += (text.empty() ? "" : ", ") + knob.rule;
-  return text;
-}
 
 /// Rows as aligned columns; the first is flush left, the rest flush right.
 std::string aligned(const std::vector<std::vector<std::string>>& rows) {
@@ -88,37 +45,7 @@ std::string time_text(double ns) {
   return print("%.3f s", ns * 1e-9);
 }
 
-std::string bytes_text(std::uint64_t bytes) {
-  if (bytes < (1u << 20)) return print("%.0f KiB", double(bytes) / 1024);
-  if (bytes < (1u << 30)) return print("%.1f MiB", double(bytes) / (1 << 20));
-  return print("%.1f GiB", double(bytes) / (1 << 30));
-}
-
 std::string share_text(double value) { return std::isnan(value) ? "-" : print("%.4f", value); }
-
-struct NamedText {
-  const char* name;
-  const char* what;
-};
-constexpr NamedText kShapes[] = {
-    {"sphere", "radius, segments (32): segments + 2 rows of twice as many columns, pole axis y"},
-    {"box", "size [x, y, z]: 12 facets"},
-    {"capsule", "height, radius (or radius_bottom and radius_top), segments (8): axis y"},
-    {"torus", "diameter of the centre circle, thickness of the tube, segments (16): axis y"},
-    {"torus_knot", "radius, tube, radial_segments (32), tubular_segments (32), p (2), q (3): axis z"},
-};
-
-std::vector<NamedText> named(const std::string& what) {
-  if (what == "shapes") return {std::begin(kShapes), std::end(kShapes)};
-  std::vector<NamedText> rows;
-  if (what == "scenes")
-    for (const SceneKind& kind : scene_kinds()) rows.push_back({kind.name.c_str(), kind.what.c_str()});
-  else if (what == "problems")
-    for (const Problem& problem : problems()) rows.push_back({problem.name.c_str(), problem.what.c_str()});
-  else
-    for (const IntegratorFacts& facts : integrators()) rows.push_back({facts.name, facts.what});
-  return rows;
-}
 
 /// Targets across, algorithms down: when each first reports, and what it never or wrongly does.
 std::string passes_text(const Result& result) {
@@ -458,11 +385,11 @@ std::string part_text(const PartStatus& status, const std::string& path) {
 
 std::string part_json(const PartStatus& status, const std::string& path) {
   if (status.study)
-    return dumped({{"file", path},
-                   {"complete", false},
-                   {"title", status.title},
-                   {"cases", status.steps},
-                   {"finished_cases", status.cases}});
+    return dumped(Json{{"file", path},
+                       {"complete", false},
+                       {"title", status.title},
+                       {"cases", status.steps},
+                       {"finished_cases", status.cases}});
   const Json json = {{"file", path},
                      {"complete", false},
                      {"title", status.title},
@@ -470,156 +397,6 @@ std::string part_json(const PartStatus& status, const std::string& path) {
                      {"motion_steps", status.motion_steps},
                      {"truth_steps", status.truth_steps},
                      {"answered_steps", status.answered_steps}};
-  return dumped(json);
-}
-
-std::string plan_text(const Config& config, const Plan& plan, const std::string& output) {
-  if (config.study) {
-    const Study& study = *config.study;
-    std::string text = config.title + "\n";
-    for (const Sweep& s : study.sweeps)
-      text += "sweep       " + s.name + ": " + s.problem + print(", %zu integrators\n", s.integrators.size());
-    text += print("cases       %llu%s, each in a process of its own\n", static_cast<unsigned long long>(plan.cases),
-                  study.every > 1 ? print(", one of every %lld", static_cast<long long>(study.every)).c_str() : "");
-    text += print("budget      %lld force evaluations and %g s of processor time for each case\n",
-                  static_cast<long long>(study.force_evaluations), study.processor_time);
-    return text + "output      " + output + ", about " + bytes_text(plan.file_bytes) + "\n";
-  }
-  std::string text = config.title + "\n";
-  text += "scene       " + config.scene_kind->name;
-  text += print(": %llu bodies, %llu pairs a step, %llu distinct meshes with %llu triangles\n",
-                static_cast<unsigned long long>(plan.bodies), static_cast<unsigned long long>(plan.pairs),
-                static_cast<unsigned long long>(plan.meshes), static_cast<unsigned long long>(plan.triangles));
-  text += "motion      ";
-  text += config.scene_kind->integrated ? config.physics.integrator + print(" at accuracy %g", config.physics.accuracy)
-                                        : "scripted, no integrator is built and no /physics written";
-  text += print(", %lld steps at %g per second\n", static_cast<long long>(config.steps), config.rate);
-  if (config.scene_kind->integrated) {
-    const Physics& p = config.physics;
-    const bool gravity = p.gravity != std::array<double, 3>{},
-               damping = p.linear_damping != 0 || p.angular_damping != 0;
-    text += std::string("            ") + (gravity ? "gravity" : "no gravity force is made") + ", " +
-            (damping ? "damping" : "no damping") + "\n";
-  }
-  if (plan.passes > 0)
-    text += print("passes      %llu, early or late found by bisection: truth to %g m, algorithms to %g m\n",
-                  static_cast<unsigned long long>(plan.passes), kTruthTolerance, kAlgorithmTolerance);
-  if (plan.case_sets > 0)
-    text += print("cases       %llu sets of gaps, each answered as two bodies alone, in both orders and moved\n",
-                  static_cast<unsigned long long>(plan.case_sets));
-  text += "truth       exact, by surface; ";
-  switch (config.containment) {
-    case Containment::ignore:
-      text += "containment is not asked for, so it is not computed\n";
-      break;
-    case Containment::record:
-      text += "bodies wholly inside others are listed, and hits on them counted apart\n";
-      break;
-    case Containment::meet:
-      text += "bodies wholly inside others are listed and count as meeting\n";
-      break;
-  }
-  text += "gaps        ";
-  text += config.gap_margin
-              ? print("a lower and an upper bound on the distance of pairs within %g m that do not meet\n",
-                      *config.gap_margin)
-              : "not asked for, so no distance is computed\n";
-  const bool facets = std::ranges::any_of(config.algorithms, [](const AlgorithmChoice& choice) {
-    return choice.knobs.contains("densify") ||
-           (choice.knobs.contains("prefilter") &&
-            std::get<std::string>(choice.knobs.at("prefilter")).starts_with("facet_"));
-  });
-  if (!facets) text += "facets      no chosen algorithm samples them, so no facet points are computed\n";
-  for (const auto& [file, hash] : config.inputs) text += "input       " + file + "\n";
-  for (const AlgorithmChoice& choice : config.algorithms)
-    text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
-            knobs_json(choice.knobs) + "\n";
-  text += print("timing      %lld repeats\n", static_cast<long long>(config.repeats));
-  text += "output      " + output + ", at most about " + bytes_text(plan.file_bytes) + "; memory about " +
-          bytes_text(plan.memory_bytes) + "\n";
-  return text;
-}
-
-std::string plan_json(const Config& config, const Plan& plan, const std::string& output) {
-  if (config.study)
-    return dumped({{"title", config.title},
-                   {"study", "integration"},
-                   {"cases", plan.cases},
-                   {"output", output},
-                   {"file_bytes", plan.file_bytes},
-                   {"memory_bytes", plan.memory_bytes},
-                   {"effective", config.effective}});
-  Json json = {{"title", config.title},         {"scene", config.scene_kind->name},
-               {"steps", config.steps},         {"rate", config.rate},
-               {"bodies", plan.bodies},         {"pairs", plan.pairs},
-               {"meshes", plan.meshes},         {"triangles", plan.triangles},
-               {"repeats", config.repeats},     {"output", output},
-               {"file_bytes", plan.file_bytes}, {"memory_bytes", plan.memory_bytes}};
-  if (plan.passes > 0) json["passes"] = plan.passes;
-  if (plan.case_sets > 0) json["case_sets"] = plan.case_sets;
-  json["containment"] = text_of(config.containment);
-  if (config.gap_margin) json["gap_margin"] = *config.gap_margin;
-  json["inputs_sha256"] = config.inputs;
-  if (config.scene_kind->integrated)
-    json["physics"] = {{"integrator", config.physics.integrator}, {"accuracy", config.physics.accuracy}};
-  json["algorithms"] = Json::array();
-  for (const AlgorithmChoice& choice : config.algorithms)
-    json["algorithms"].push_back(
-        {{"label", choice.label}, {"name", choice.name}, {"knobs", Json::parse(knobs_json(choice.knobs))}});
-  json["effective"] = config.effective;
-  return dumped(json);
-}
-
-std::string list_text(const std::string& what) {
-  if (what != "algorithms") {
-    std::vector<std::vector<std::string>> rows;
-    std::string text;
-    for (const NamedText& row : named(what)) text += print("%-20s %s", row.name, row.what) + "\n";
-    return text;
-  }
-  std::string text;
-  for (const algorithms::Algorithm& row : algorithms::all()) {
-    text += row.name + (row.thesis_key.empty() ? "" : " (" + row.thesis_key + ")") + ": " + row.what + "\n";
-    text += "    promise " + std::string(algorithms::text(row.promise)) + ", scope " +
-            std::string(algorithms::text(row.scope)) + ", operations are " + row.operations_unit + "\n";
-    for (const algorithms::Knob& knob : row.knobs) {
-      text += "    " + knob.name + " = " + value_text(knob.preset) + (knob.unit == "1" ? "" : " " + knob.unit);
-      const std::string range = range_text(knob);
-      text +=
-          std::string("  (") + type_name(knob.preset) + (range.empty() ? "" : ": " + range) + ")  " + knob.what + "\n";
-    }
-  }
-  return text;
-}
-
-std::string list_json(const std::string& what) {
-  Json json = Json::array();
-  if (what != "algorithms") {
-    for (const NamedText& row : named(what)) json.push_back({{"name", row.name}, {"what", row.what}});
-    return dumped(json);
-  }
-  for (const algorithms::Algorithm& row : algorithms::all()) {
-    Json knobs = Json::array();
-    for (const algorithms::Knob& knob : row.knobs) {
-      Json entry = {{"name", knob.name},
-                    {"type", type_name(knob.preset)},
-                    {"preset", value_json(knob.preset)},
-                    {"unit", knob.unit},
-                    {"what", knob.what}};
-      if (std::isfinite(knob.least)) entry["least"] = knob.least;
-      if (std::isfinite(knob.most)) entry["most"] = knob.most;
-      if (!knob.choices.empty()) entry["choices"] = knob.choices;
-      if (!knob.rule.empty()) entry["rule"] = knob.rule;
-      knobs.push_back(entry);
-    }
-    json.push_back({{"name", row.name},
-                    {"thesis_key", row.thesis_key},
-                    {"what", row.what},
-                    {"promise", algorithms::text(row.promise)},
-                    {"scope", algorithms::text(row.scope)},
-                    {"operations_unit", row.operations_unit},
-                    {"knobs", knobs}});
-  }
   return dumped(json);
 }
 

@@ -220,14 +220,14 @@ geometry::Bodies read_bodies(const Reader& from) {
     if (found == bodies.meshes.end()) throw h5::Failure("/bodies/mesh: there is no mesh '" + name + "'");
     bodies.mesh.push_back(static_cast<std::uint32_t>(found - bodies.meshes.begin()));
   }
-  bodies.fixed = from.values<std::uint8_t>("/bodies/fixed", Type::u8, {count});
-  if (from.has("/bodies/chosen")) bodies.chosen = from.values<std::uint8_t>("/bodies/chosen", Type::u8, {count});
+  bodies.fixed = from.values<std::uint8_t>("/bodies/fixed", {count});
+  if (from.has("/bodies/chosen")) bodies.chosen = from.values<std::uint8_t>("/bodies/chosen", {count});
   return bodies;
 }
 
 std::vector<std::vector<geometry::Pose>> read_motion(const Reader& from, std::uint64_t steps, std::uint64_t bodies) {
-  const auto position = from.values<double>("/motion/position", Type::f64, {steps, bodies, 3});
-  const auto orientation = from.values<double>("/motion/orientation", Type::f64, {steps, bodies, 4});
+  const auto position = from.values<double>("/motion/position", {steps, bodies, 3});
+  const auto orientation = from.values<double>("/motion/orientation", {steps, bodies, 4});
   std::vector<std::vector<geometry::Pose>> motion(steps, std::vector<geometry::Pose>(bodies));
   const double* t = position.data();
   const double* q = orientation.data();
@@ -246,15 +246,9 @@ PhysicsRows read_physics(const Reader& from, std::uint64_t steps) {
   if (from.has_attribute("/physics", "quaternion_drift"))
     physics.quaternion_drift = from.attribute<double>("/physics", "quaternion_drift");
   physics.rows.resize(steps);
-  const auto fill = [&]<typename Stored>(const auto& columns, Type type, Stored) {
-    for (const auto& column : columns) {
-      const auto values = from.values<Stored>(std::string("/physics/") + column.name, type, {steps});
-      for (std::size_t s = 0; s < steps; ++s) physics.rows[s].*column.member = static_cast<Stored>(values[s]);
-    }
-  };
-  fill(kPhysicsReals, Type::f64, double{});
-  fill(kPhysicsCounts, Type::u64, std::uint64_t{});
-  fill(kPhysicsTimes, Type::i64, std::int64_t{});
+  for (const auto& column : kPhysicsReals) from.rows("/physics", column, physics.rows);
+  for (const auto& column : kPhysicsCounts) from.rows("/physics", column, physics.rows);
+  for (const auto& column : kPhysicsTimes) from.rows("/physics", column, physics.rows);
   return physics;
 }
 
@@ -275,93 +269,52 @@ std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::
     answers.hits = from.pairs(path, steps, bodies);
     all.push_back(std::move(answers));
   }
-  const auto fill = [&]<typename Stored>(const auto& columns, Type type, Stored) {
-    for (const auto& column : columns) {
-      const auto table = from.values<Stored>(std::string("/results/") + column.name, type, {steps, all.size()});
-      for (std::size_t a = 0; a < all.size(); ++a) {
-        auto& values = all[a].*column.member;
-        values.resize(steps);
-        for (std::size_t s = 0; s < steps; ++s) values[s] = table[s * all.size() + a];
-      }
-    }
-  };
-  fill(kResultTimes, Type::i64, std::int64_t{});
-  fill(kResultCounts, Type::u64, std::uint64_t{});
+  for (const auto& column : kResultTimes) from.answers("/results", column, steps, all);
+  for (const auto& column : kResultCounts) from.answers("/results", column, steps, all);
   return all;
 }
 
 std::vector<Summary> read_summary(const Reader& from, std::uint64_t algorithms) {
   std::vector<Summary> rows(algorithms);
-  const auto fill = [&]<typename Stored>(const auto& column, Type type, Stored) {
-    const auto values = from.values<Stored>(std::string("/summary/") + column.name, type, {algorithms});
-    for (std::size_t a = 0; a < algorithms; ++a) rows[a].*column.member = values[a];
-  };
-  for (const auto& column : kSummaryCounts) fill(column, Type::u64, std::uint64_t{});
-  for (const auto& column : kSummaryReals) fill(column, Type::f64, double{});
-  fill(Column<Summary, bool>{"promise_kept", &Summary::promise_kept, "", ""}, Type::u8, std::uint8_t{});
+  for (const auto& column : kSummaryCounts) from.rows("/summary", column, rows);
+  for (const auto& column : kSummaryReals) from.rows("/summary", column, rows);
+  from.rows("/summary", kSummaryKept, rows);
   return rows;
-}
-
-/// A column of every answer, from a table of rows x answers.
-template <typename Row, typename T>
-void fill_table(const Reader& from, const std::string& path, const Column<Row, std::vector<T>>& column, Type type,
-                std::uint64_t rows, std::vector<Row>& answers) {
-  if (answers.empty()) return;
-  const auto table = from.values<T>(path, type, {rows, answers.size()});
-  for (std::size_t a = 0; a < answers.size(); ++a)
-    for (std::size_t r = 0; r < rows; ++r) (answers[a].*column.member).push_back(table[r * answers.size() + a]);
 }
 
 Passes read_passes(const Reader& from, std::uint64_t algorithms) {
   Passes passes;
-  const auto path = [](const auto& column) { return std::string("/passes/") + column.name; };
-  passes.rows.resize(from.texts(path(kPassTexts[0]), {kAny}).size());
-  const std::uint64_t count = passes.rows.size();
-  const auto fill = [&](const auto& column, auto values) {
-    for (std::size_t p = 0; p < count; ++p) passes.rows[p].*column.member = std::move(values[p]);
-  };
-  for (const auto& column : kPassTexts) fill(column, from.texts(path(column), {count}));
-  for (const auto& column : kPassCounts) fill(column, from.values<std::uint64_t>(path(column), Type::u64, {count}));
-  for (const auto& column : kPassReals) fill(column, from.values<double>(path(column), Type::f64, {count}));
+  passes.rows.resize(from.texts(std::string("/passes/") + kPassTexts[0].name, {kAny}).size());
+  for (const auto& column : kPassTexts) from.rows("/passes", column, passes.rows);
+  for (const auto& column : kPassCounts) from.rows("/passes", column, passes.rows);
+  for (const auto& column : kPassReals) from.rows("/passes", column, passes.rows);
+  if (algorithms == 0) return passes;
   passes.answers.resize(algorithms);
-  for (const auto& column : kPassAnswerReals) fill_table(from, path(column), column, Type::f64, count, passes.answers);
-  for (const auto& column : kPassAnswerCounts) fill_table(from, path(column), column, Type::u64, count, passes.answers);
+  for (const auto& column : kPassAnswerReals) from.answers("/passes", column, passes.rows.size(), passes.answers);
+  for (const auto& column : kPassAnswerCounts) from.answers("/passes", column, passes.rows.size(), passes.answers);
   return passes;
 }
 
 Extremes read_extremes(const Reader& from, std::uint64_t steps, std::uint64_t algorithms) {
   Extremes extremes;
   extremes.rows.resize(steps);
-  extremes.answers.resize(algorithms);
-  const auto path = [](const auto& column) { return std::string("/extremes/") + column.name; };
-  const auto fill = [&]<typename T>(const Column<ExtremeCase, T>& column, Type type) {
-    const std::vector<T> values = from.values<T>(path(column), type, {steps});
-    for (std::size_t s = 0; s < steps; ++s) extremes.rows[s].*column.member = values[s];
-  };
-  for (const auto& column : kCaseTexts) {
-    auto values = from.texts(path(column), {steps});
-    for (std::size_t s = 0; s < steps; ++s) extremes.rows[s].*column.member = std::move(values[s]);
-  }
-  for (const auto& column : kCaseReals) fill(column, Type::f64);
-  for (const auto& column : kCaseIntegers) fill(column, Type::i64);
-  for (const auto& column : kCaseCounts) fill(column, Type::u64);
-  for (const auto& column : kCaseFlags) fill(column, Type::u8);
+  for (const auto& column : kCaseTexts) from.rows("/extremes", column, extremes.rows);
+  for (const auto& column : kCaseReals) from.rows("/extremes", column, extremes.rows);
+  for (const auto& column : kCaseIntegers) from.rows("/extremes", column, extremes.rows);
+  for (const auto& column : kCaseCounts) from.rows("/extremes", column, extremes.rows);
+  for (const auto& column : kCaseFlags) from.rows("/extremes", column, extremes.rows);
   if (algorithms == 0) return extremes;
-  for (const auto& column : kCaseAnswerFlags) fill_table(from, path(column), column, Type::u8, steps, extremes.answers);
-  auto reasons = from.texts(std::string("/extremes/") + kCaseReason, {algorithms});
-  for (std::size_t a = 0; a < algorithms; ++a) extremes.answers[a].reason = std::move(reasons[a]);
+  extremes.answers.resize(algorithms);
+  for (const auto& column : kCaseAnswerFlags) from.answers("/extremes", column, steps, extremes.answers);
+  from.rows("/extremes", kCaseReason, extremes.answers);
   return extremes;
 }
 
 void read_contained_hits(const Reader& from, std::uint64_t steps, Result& result) {
-  const std::size_t count = result.answers.size();
-  const std::string column = std::string("/") + kContainedHit;
-  const auto table = from.values<std::uint64_t>("/results" + column, Type::u64, {steps, count});
-  const auto totals = from.values<std::uint64_t>("/summary" + column, Type::u64, {count});
-  for (std::size_t a = 0; a < count; ++a) {
-    for (std::size_t s = 0; s < steps; ++s) result.answers[a].contained_hit.push_back(table[s * count + a]);
-    result.summary[a].contained_hit = totals[a];
-  }
+  from.answers("/results", kContainedHit, steps, result.answers);
+  const auto totals =
+      from.values<std::uint64_t>(std::string("/summary/") + kContainedHit.name, {result.answers.size()});
+  for (std::size_t a = 0; a < totals.size(); ++a) result.summary[a].contained_hit = totals[a];
 }
 
 Provenance read_provenance(const Reader& from) {
@@ -384,17 +337,8 @@ Provenance read_provenance(const Reader& from) {
 }
 
 std::vector<StudyRow> read_study(const Reader& from) {
-  std::vector<StudyRow> rows(from.values<std::int64_t>("/study/case", Type::i64, {kAny}).size());
-  each_study_column([&]<typename T>(const Column<StudyRow, T>& column, Type type) {
-    const auto path = std::string("/study/") + column.name;
-    const auto fill = [&](auto values) {
-      for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*column.member = std::move(values[i]);
-    };
-    if constexpr (std::is_same_v<T, std::string>)
-      fill(from.texts(path, {rows.size()}));
-    else
-      fill(from.values<std::conditional_t<std::is_same_v<T, bool>, std::uint8_t, T>>(path, type, {rows.size()}));
-  });
+  std::vector<StudyRow> rows(from.values<std::int64_t>("/study/case", {kAny}).size());
+  each_study_column([&](const auto& column) { from.rows("/study", column, rows); });
   return rows;
 }
 
@@ -407,10 +351,10 @@ Result read_all(const Reader& from) {
   result.digest = from.attribute<std::string>("/", "digest");
   if (from.has("/study")) return result.study = read_study(from), result;
   result.rate = from.attribute<double>("/time", "rate");
-  const std::uint64_t steps = from.values<std::int64_t>("/step", Type::i64, {kAny}).size();
+  const std::uint64_t steps = from.values<std::int64_t>("/step", {kAny}).size();
   result.bodies = read_bodies(from);
   const std::uint64_t bodies = result.bodies.size();
-  result.first_step = from.values<std::int64_t>("/bodies/first_step", Type::i64, {bodies});
+  result.first_step = from.values<std::int64_t>("/bodies/first_step", {bodies});
   result.motion = read_motion(from, steps, bodies);
   if (from.has("/physics")) result.physics = read_physics(from, steps);
   result.truth.hits = from.pairs("/truth", steps, bodies);
@@ -425,10 +369,9 @@ Result read_all(const Reader& from) {
     gaps.margin = from.attribute<double>("/truth", "gap_margin");
     gaps.pairs = from.pairs("/truth", steps, bodies, "gap_");
     for (const auto& column : kGapReals)
-      gaps.*column.member =
-          from.values<double>(std::string("/truth/") + column.name, Type::f64, {gaps.pairs.pair.size()});
+      gaps.*column.member = from.values<double>(std::string("/truth/") + column.name, {gaps.pairs.pair.size()});
   }
-  result.truth.time_ns = from.values<std::int64_t>("/truth/time_ns", Type::i64, {steps});
+  result.truth.time_ns = from.values<std::int64_t>("/truth/time_ns", {steps});
   if (from.has("/algorithm")) {
     result.answers = read_answers(from, steps, bodies);
     result.summary = read_summary(from, result.answers.size());

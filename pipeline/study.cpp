@@ -144,11 +144,11 @@ void compare(const Setting& setting, const std::vector<BodyState>& states, Study
 
 std::string bytes_of(const StudyRow& row) {
   ChunkWriter out;
-  each_study_column([&]<typename T>(const Column<StudyRow, T>& column, Type) {
+  each_study_column([&]<typename T, typename Stored>(const Column<StudyRow, T, Stored>& column) {
     if constexpr (std::same_as<T, std::string>)
       out.put(row.*column.member);
     else
-      out.put(std::vector{static_cast<std::conditional_t<std::same_as<T, bool>, char, T>>(row.*column.member)});
+      out.put(std::vector{static_cast<Stored>(row.*column.member)});
   });
   return out.bytes;
 }
@@ -156,11 +156,11 @@ std::string bytes_of(const StudyRow& row) {
 StudyRow row_of(const std::string& bytes) {
   ChunkReader in(bytes);
   StudyRow row;
-  each_study_column([&]<typename T>(const Column<StudyRow, T>& column, Type) {
+  each_study_column([&]<typename T, typename Stored>(const Column<StudyRow, T, Stored>& column) {
     if constexpr (std::same_as<T, std::string>)
       row.*column.member = in.text();
     else
-      row.*column.member = in.get<std::conditional_t<std::same_as<T, bool>, char, T>>().at(0);
+      row.*column.member = in.get<Stored>().at(0);
   });
   return row;
 }

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <exception>
-#include <thread>
+#include <iterator>
 
 #include "geometry/gap.hpp"
 #include "geometry/meet.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/threads.hpp"
 
 namespace pipeline {
 namespace {
@@ -104,6 +104,12 @@ std::vector<Pair> Truth::scoring(std::size_t step) const {
   return out;
 }
 
+std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these) {
+  std::vector<Pair> rest;
+  std::set_difference(from.begin(), from.end(), these.begin(), these.end(), std::back_inserter(rest));
+  return rest;
+}
+
 std::string_view text_of(Containment containment) { return kContainment[std::size_t(containment)]; }
 
 std::optional<Containment> containment_of(std::string_view text) {
@@ -145,40 +151,29 @@ Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geome
       }
     const std::size_t workers = std::min<std::size_t>(std::size_t(std::max(threads, 1)), open.size());
     std::atomic<std::size_t> next = 0;
-    std::vector<std::exception_ptr> errors(workers);
-    const auto work = [&](std::size_t worker) {
-      try {
-        geometry::Decision decision(bodies, bvhs, solids);
-        std::optional<geometry::GapSearch> search;
-        if (gap_margin) search.emplace(bodies, bvhs);
-        for (std::size_t i = next++; i < open.size(); i = next++) {
-          const std::size_t first = open[i] * kChunkSteps;
-          const std::size_t count = std::min<std::size_t>(kChunkSteps, poses.size() - first);
-          TruthChunk chunk = decide_chunk(decision, search ? &*search : nullptr, gap_margin.value_or(0), bodies,
-                                          std::span(poses).subspan(first, count), truth.lists_contained(), progress);
-          part.save(chunk_name("truth", std::int64_t(first)), chunk.bytes());
-          done[open[i]] = std::move(chunk);
-        }
-      } catch (...) {
-        errors[worker] = std::current_exception();
-        next = open.size();  // the others finish their chunk and stop
+    const auto work = [&] {
+      geometry::Decision decision(bodies, bvhs, solids);
+      std::optional<geometry::GapSearch> search;
+      if (gap_margin) search.emplace(bodies, bvhs);
+      for (std::size_t i = next++; i < open.size(); i = next++) {
+        const std::size_t first = open[i] * kChunkSteps;
+        const std::size_t count = std::min<std::size_t>(kChunkSteps, poses.size() - first);
+        TruthChunk chunk = decide_chunk(decision, search ? &*search : nullptr, gap_margin.value_or(0), bodies,
+                                        std::span(poses).subspan(first, count), truth.lists_contained(), progress);
+        part.save(chunk_name("truth", std::int64_t(first)), chunk.bytes());
+        done[open[i]] = std::move(chunk);
       }
     };
-    std::vector<std::jthread> others;
-    for (std::size_t worker = 1; worker < workers; ++worker) others.emplace_back(work, worker);
-    work(0);
-    others.clear();  // joins
-    for (const auto& error : errors)
-      if (error) std::rethrow_exception(error);
+    on_threads(workers, work, [&] { next = open.size(); });  // the others finish their chunk and stop
   }
 
   for (const TruthChunk& chunk : done) {
-    for (std::size_t s = 0; s < chunk.hits.steps(); ++s) truth.hits.append(chunk.hits.at(s));
-    for (std::size_t s = 0; s < chunk.contained.steps(); ++s) truth.contained.append(chunk.contained.at(s));
+    truth.hits.append_steps(chunk.hits);
+    truth.contained.append_steps(chunk.contained);
     truth.time_ns.insert(truth.time_ns.end(), chunk.time_ns.begin(), chunk.time_ns.end());
     if (!truth.gaps) continue;
     GapLists& gaps = *truth.gaps;
-    for (std::size_t s = 0; s < chunk.gaps->pairs.steps(); ++s) gaps.pairs.append(chunk.gaps->pairs.at(s));
+    gaps.pairs.append_steps(chunk.gaps->pairs);
     gaps.lower.insert(gaps.lower.end(), chunk.gaps->lower.begin(), chunk.gaps->lower.end());
     gaps.upper.insert(gaps.upper.end(), chunk.gaps->upper.begin(), chunk.gaps->upper.end());
   }

@@ -2,6 +2,7 @@
 // wholly inside others (geometry/contain.hpp); where asked, how far apart near pairs are (geometry/gap.hpp).
 #pragma once
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,9 @@ namespace pipeline {
 Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses, int threads,
              const Part& part, Progress& progress, Containment containment = Containment::ignore,
              std::optional<double> gap_margin = {});
+
+/// The pairs of `from` that are not among `these`; all sorted.
+std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these);
 
 /// What is wrong with an open mesh when containment counts.
 std::string open_mesh_text(const std::string& mesh);

@@ -4,15 +4,15 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <exception>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <thread>
 
 #include "geometry/oracle.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/print.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/random.hpp"
+#include "pipeline/threads.hpp"
 
 namespace pipeline {
 namespace {
@@ -212,35 +212,19 @@ Asked ask(const Result& result, std::size_t s, const Facts& facts, const std::ar
   return out;
 }
 
-/// Calls work(step) for all steps, in order when on one thread; steps after one for which it gave false may be left
-/// out.
+/// Calls work(step) for all steps, in order; steps after one for which it gave false may be left out.
 template <class Work>
 void for_each_step(StepRange steps, int threads, Progress& progress, Work work) {
-  const std::size_t workers = std::size_t(std::min<std::uint64_t>(std::uint64_t(std::max(threads, 1)), steps.size()));
-  std::atomic<std::uint64_t> next = steps.first, end = steps.last;
-  std::vector<std::exception_ptr> errors(workers);
-  const auto loop = [&](std::size_t worker) {
-    try {
-      for (std::uint64_t s = next++; s < end; s = next++) {
-        stop_if_wanted();
-        if (!work(s)) {
-          std::uint64_t last = end;
-          while (s < last && !end.compare_exchange_weak(last, s)) {
-          }
-        }
-        progress.add(1);
-      }
-    } catch (...) {
-      errors[worker] = std::current_exception();
-      end = 0;
+  std::atomic<std::uint64_t> next = steps.first;
+  const auto stop = [&] { next = steps.last; };
+  const auto loop = [&] {
+    for (std::uint64_t s = next++; s < steps.last; s = next++) {
+      stop_if_wanted();
+      if (!work(s)) stop();
+      progress.add(1);
     }
   };
-  std::vector<std::jthread> others;
-  for (std::size_t worker = 1; worker < workers; ++worker) others.emplace_back(loop, worker);
-  loop(0);
-  others.clear();  // joins
-  for (const auto& error : errors)
-    if (error) std::rethrow_exception(error);
+  on_threads(std::size_t(std::min<std::uint64_t>(std::uint64_t(std::max(threads, 1)), steps.size())), loop, stop);
 }
 
 std::string aligned(const std::string& name, std::uint64_t pairs, const std::string& checked) {
@@ -353,7 +337,7 @@ std::string verified_json(const Verified& verified, const Result& result, const 
                           {"bodies", {result.bodies.name[d->pair.a], result.bodies.name[d->pair.b]}},
                           {"truth", text_of(d->truth)},
                           {"oracle", text_of(d->oracle)}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return dumped(json);
 }
 
 }  // namespace pipeline

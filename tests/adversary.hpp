@@ -1,12 +1,11 @@
 // Poses and meshes chosen to break bounds on rounding: what the tests of the exact answer share.
 #pragma once
 #include <cmath>
-#include <cstdint>
-#include <random>
 #include <utility>
 
 #include "geometry/mesh.hpp"
 #include "geometry/pose.hpp"
+#include "tests/random.hpp"
 
 namespace adversary {
 
@@ -14,17 +13,8 @@ using geometry::Mesh;
 using geometry::Pose;
 using geometry::Quaternion;
 using geometry::Vec3;
-
-constexpr unsigned kSeed = 20220801;
-
-struct Random {
-  std::mt19937_64 bits{kSeed};
-  /// Uniform in [-1, 1).
-  double real() { return static_cast<double>(static_cast<std::int64_t>(bits())) * 0x1p-63; }
-  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(bits() % n); }
-  Vec3 point() { return {real(), real(), real()}; }
-  Quaternion turn() { return geometry::normalised({real(), real(), real(), real()}); }
-};
+using tests::kSeed;
+using tests::Random;
 
 /// Its computed squared norm is within 1e-15 of 1, as far out as a search in ulps brings it; some have parts that are
 /// tiny, equal or zero.

@@ -7,8 +7,8 @@ import sys
 import tomllib
 
 import pytest
+from program import ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))  # for `analysis`
 
 
@@ -29,6 +29,22 @@ def result_file(request, tmp_path_factory):
     path = tmp_path_factory.mktemp("smoke") / "smoke.h5"
     command = [request.getfixturevalue("pipeline"), "run", str(ROOT / "configs" / "smoke.toml"), "-o", str(path)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return path
+
+
+@pytest.fixture(scope="module")
+def config(request, tmp_path_factory):
+    """The CONFIG of the test's module as a file."""
+    path = tmp_path_factory.mktemp("config") / "config.toml"
+    path.write_text(request.module.CONFIG)
+    return path
+
+
+@pytest.fixture(scope="module")
+def result(pipeline, config):
+    """The result of `config`."""
+    path = config.with_suffix(".h5")
+    subprocess.run([pipeline, "run", config, "-o", path], check=True, stdout=subprocess.DEVNULL)
     return path
 
 

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <random>
 #include <sstream>
 #include <string>
 
 #include "geometry/exact.hpp"
 #include "tests/oracle.hpp"
+#include "tests/random.hpp"
 
 namespace {
 
@@ -19,8 +19,8 @@ using geometry::is_degenerate;
 using geometry::Triangle;
 using geometry::triangles_meet;
 using geometry::Vec3;
-
-constexpr unsigned kSeed = 20220801;
+using tests::kSeed;
+using tests::Random;
 
 std::string text(const Triangle& a, const Triangle& b) {
   std::ostringstream out;
@@ -54,18 +54,6 @@ class Comparison {
 
  private:
   std::size_t pairs_ = 0, meeting_ = 0, wrong_ = 0;
-};
-
-struct Random {
-  std::mt19937_64 bits{kSeed};
-  /// Uniform in [-1, 1).
-  double real() { return static_cast<double>(static_cast<std::int64_t>(bits())) * 0x1p-63; }
-  int integer(int low, int high) { return low + static_cast<int>(bits() % static_cast<unsigned>(high - low + 1)); }
-  Vec3 point() { return {real(), real(), real()}; }
-  /// Small integers: contact, coplanarity and degeneracy happen often, and exactly.
-  Vec3 grid_point(int n) { return {double(integer(-n, n)), double(integer(-n, n)), double(integer(-n, n))}; }
-  Triangle triangle() { return {point(), point(), point()}; }
-  Triangle grid_triangle(int n) { return {grid_point(n), grid_point(n), grid_point(n)}; }
 };
 
 Triangle map(const Triangle& t, const std::function<Vec3(const Vec3&)>& f) { return {f(t[0]), f(t[1]), f(t[2])}; }

@@ -235,7 +235,7 @@ TEST(Gap, OfMeshesHoldsWhatAllPairsOfTrianglesSay) {
   const std::vector<Mesh> meshes = {sphere("ball", 1, 4), setting::ring(1.2, 0.3, 8), box("slab", {3, 0.2, 2}),
                                     torus_knot("knot", 1, 0.3, 12, 4, 2, 3)};
   int compared = 0;
-  for (int i = 0; i < 24; ++i) {
+  for (int i = 0; compared < 14; ++i) {
     const Mesh &a = meshes[i % 4], &b = meshes[i / 4 % 4];
     Pose at_a{setting::uniform_turn(random), {}}, at_b{setting::uniform_turn(random), {}};
     at_b.t = (1.5 + setting::uniform(random)) * Vec3(2, setting::uniform(random), setting::uniform(random));
@@ -259,7 +259,6 @@ TEST(Gap, OfMeshesHoldsWhatAllPairsOfTrianglesSay) {
     EXPECT_LE(bounds.upper - bounds.lower, 1e-12 * 8);
     ++compared;
   }
-  EXPECT_GT(compared, 10);
 }
 
 // Bodies a few units in the last place apart: the gap of axis-parallel faces is one difference of doubles.

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <random>
 #include <string>
 
 #include "geometry/meet.hpp"
@@ -14,21 +13,13 @@
 #include "geometry/shapes.hpp"
 #include "tests/adversary.hpp"
 #include "tests/oracle.hpp"
+#include "tests/random.hpp"
 
 namespace {
 
 using namespace geometry;
-
-constexpr unsigned kSeed = 20220801;
-
-struct Random {
-  std::mt19937_64 bits{kSeed};
-  /// Uniform in [-1, 1).
-  double real() { return static_cast<double>(static_cast<std::int64_t>(bits())) * 0x1p-63; }
-  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(bits() % n); }
-  Vec3 point() { return {real(), real(), real()}; }
-  Quaternion turn() { return normalised({real(), real(), real(), real()}); }
-};
+using tests::kSeed;
+using tests::Random;
 
 Mesh tetrahedron() {
   Mesh mesh;
@@ -381,7 +372,7 @@ TEST(DecisionOracle, GrazingWithinUlps) {
 // Meshes of every size, slivers and points, turned by quaternions as far from unit as may be, up to 1e12 sizes away; at
 // random and bisected to the last pose in contact.
 TEST(DecisionOracle, AdversarialMeshesAtAdversarialPoses) {
-  adversary::Random random;
+  Random random;
   Tally tally;
   for (int i = 0; i < 700; ++i) {
     const Mesh mesh = adversary::mesh(random);

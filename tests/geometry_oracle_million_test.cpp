@@ -14,42 +14,20 @@
 #include <functional>
 #include <limits>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "geometry/meet.hpp"
 #include "geometry/shapes.hpp"
 #include "tests/oracle.hpp"
+#include "tests/random.hpp"
 
 namespace {
 
 using namespace geometry;
+using tests::Random;
 
 constexpr unsigned kSeed = 20260801;
-
-struct Random {
-  std::mt19937_64 bits{kSeed};
-  /// Uniform in [-1, 1).
-  double real() { return static_cast<double>(static_cast<std::int64_t>(bits())) * 0x1p-63; }
-  int integer(int from, int to) { return from + int(bits() % std::uint64_t(to - from + 1)); }
-  Vec3 point() {
-    const double x = real(), y = real(), z = real();
-    return {x, y, z};
-  }
-  Vec3 grid_point(int n) {
-    const int x = integer(-n, n), y = integer(-n, n), z = integer(-n, n);
-    return Vec3(x, y, z);
-  }
-  Quaternion turn() {
-    const double w = real(), x = real(), y = real(), z = real();
-    return normalised({w, x, y, z});
-  }
-  Triangle triangle() {
-    const Vec3 p = point(), q = point(), r = point();
-    return {p, q, r};
-  }
-};
 
 double ulps_away(double x, int ulps) {
   for (; ulps > 0; --ulps) x = std::nextafter(x, DBL_MAX);
@@ -77,7 +55,7 @@ struct Counts {
 /// Asks `decision` and the oracle about `count` pairs, in either order alternately.
 template <class Decide>
 Counts compare(const Draw& draw, int count, Decide decision) {
-  Random random;
+  Random random(kSeed);
   Counts out;
   for (int i = 0; i < count; ++i) {
     const auto [a, b] = draw(random, i);
@@ -314,7 +292,7 @@ Mesh tetrahedron() {
 
 /// 30 facets anywhere in a cube of edge 2; every third is a segment or a point.
 Mesh soup() {
-  Random random;
+  Random random(kSeed);
   Mesh mesh;
   for (int i = 0; i < 60; ++i) mesh.vertices.push_back(random.point());
   for (int i = 0; i < 30; ++i) {
@@ -427,7 +405,7 @@ Counts compare_meshes(const std::string& name, int count, const Mesh& a, const M
   EXPECT_TRUE(a.triangles.size() >= 4 && a.triangles.size() <= 60 && b.triangles.size() >= 4 &&
               b.triangles.size() <= 60)
       << name << ": " << a.triangles.size() << ", " << b.triangles.size();
-  Random random;
+  Random random(kSeed);
   Bodies2 two(a, b);
   const std::vector<Bvh> bvhs = build_bvhs(two.bodies);
   Decision decision(two.bodies, bvhs);

@@ -5,12 +5,12 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "geometry/meet.hpp"
 #include "geometry/oracle.hpp"
 #include "geometry/shapes.hpp"
 #include "tests/oracle.hpp"
+#include "tests/random.hpp"
 
 namespace {
 
@@ -19,31 +19,11 @@ using geometry::Pose;
 using geometry::Quaternion;
 using geometry::Triangle;
 using geometry::Vec3;
+using tests::Random;
 
 constexpr unsigned kSeed = 20260802;
 
-struct Random {
-  std::mt19937_64 bits{kSeed};
-  double real() { return static_cast<double>(static_cast<std::int64_t>(bits())) * 0x1p-63; }
-  int integer(int from, int to) { return from + int(bits() % std::uint64_t(to - from + 1)); }
-  Vec3 point() {
-    const double x = real(), y = real(), z = real();
-    return {x, y, z};
-  }
-  Vec3 grid_point(int n) {
-    const int x = integer(-n, n), y = integer(-n, n), z = integer(-n, n);
-    return Vec3(x, y, z);
-  }
-  Triangle triangle(bool on_grid) {
-    const auto draw = [&] { return on_grid ? grid_point(2) : point(); };
-    const Vec3 p = draw(), q = draw(), r = draw();
-    return {p, q, r};
-  }
-  Quaternion turn() {
-    const double w = real(), x = real(), y = real(), z = real();
-    return geometry::normalised({w, x, y, z});
-  }
-};
+Triangle draw(Random& random, bool on_grid) { return on_grid ? random.grid_triangle(2) : random.triangle(); }
 
 const Triangle kFloor{Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0)};
 
@@ -109,10 +89,10 @@ TEST(OracleAgainst, EpeckOnProperTriangles) {
     const auto point = [](const Vec3& p) { return Kernel::Point_3(p.x(), p.y(), p.z()); };
     return Kernel::Triangle_3(point(t[0]), point(t[1]), point(t[2]));
   };
-  Random random;
+  Random random(kSeed);
   int meeting = 0, asked = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Triangle a = random.triangle(i % 2), b = random.triangle(i % 2);
+    const Triangle a = draw(random, i % 2), b = draw(random, i % 2);
     if (oracle::degenerate(a) || oracle::degenerate(b)) continue;
     const bool meet = CGAL::do_intersect(triangle(a), triangle(b));
     ASSERT_EQ(oracle::triangles_meet(a, b), meet) << "seed " << kSeed << ", pair " << i;
@@ -125,11 +105,11 @@ TEST(OracleAgainst, EpeckOnProperTriangles) {
 
 // The simplex method, also on segments and points: on a grid of five every third triangle of a kind is one.
 TEST(OracleAgainst, TheSimplexMethodInRationals) {
-  Random random;
+  Random random(kSeed);
   int meeting = 0, degenerate = 0;
   constexpr int kPairs = 2400;
   for (int i = 0; i < kPairs; ++i) {
-    Triangle a = random.triangle(i % 4), b = random.triangle(i % 4);
+    Triangle a = draw(random, i % 4), b = draw(random, i % 4);
     if (i % 3 == 0) a[2] = i % 2 ? a[0] : Vec3(2 * a[1] - a[0]);
     if (i % 5 == 0) b[1] = b[0], b[2] = i % 2 ? b[0] : b[2];
     if (i % 7 == 0) b[0] = a[std::size_t(i % 3)];
@@ -144,7 +124,7 @@ TEST(OracleAgainst, TheSimplexMethodInRationals) {
 }
 
 TEST(Oracle, WorldVerticesHaveTheBitsOfTheProduct) {
-  Random random;
+  Random random(kSeed);
   for (int i = 0; i < 5000; ++i) {
     const Quaternion q = random.turn();
     const Pose pose{q, std::pow(10, random.integer(-3, 6)) * random.point()};
@@ -212,7 +192,7 @@ TEST(OracleContained, FacetsWithoutAreaAreNoWalls) {
 }
 
 TEST(OracleContained, AgreesWithTheDecision) {
-  Random random;
+  Random random(kSeed);
   geometry::Bodies bodies;
   bodies.meshes = {geometry::torus("torus", 2, 1, 8), geometry::sphere("ball", 1, 3),
                    geometry::box("grain", Vec3(0.2, 0.2, 0.2)), geometry::sphere("bead", 0.15, 2)};

@@ -245,6 +245,8 @@ TEST(Playground, BadKeysAreRefusedWithPlaceAndRule) {
   refused(obstacle + "radius = 1\n" + obstacle + "radius = 1\n", "t.toml:8:8: ", "be the only one of its name");
   refused("[[scene.obstacle]]\nname = 'hero'\nshape = 'sphere'\nradius = 1\n", "t.toml:4:8: ", "the only one");
   refused("[[scene.obstacle]]\nname = 'a b'\nshape = 'sphere'\nradius = 1\n", "t.toml:4:8: ", "1 to 64 characters");
+  // Would name a group of the file: /meshes/.
+  refused("[[scene.obstacle]]\nname = '.'\nshape = 'sphere'\nradius = 1\n", "t.toml:4:8: ", "neither '.' nor '..'");
   refused(obstacle + "radius = 1\nrotation = [['w', 3]]\n", "t.toml:7:14: ", "be \"x\", \"y\" or \"z\"");
   refused(obstacle + "radius = 1\nrotation = [['x', nan]]\n", "t.toml:7:19: ", "a number of at least -360");
   refused(obstacle + "radius = 1\nrotation = ['x', 3]\n", "t.toml:7:13: ", "be [\"x\", \"y\" or \"z\", number]");

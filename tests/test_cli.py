@@ -11,28 +11,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from program import DONE, FAILED, FILE, INPUT, INTERRUPTED, PIPELINE, ROOT, USAGE, one_line, pipeline
 
-ROOT = Path(__file__).resolve().parent.parent
-PIPELINE = os.environ.get("PIPELINE", str(ROOT / "build" / "pipeline"))
 SMOKE = str(ROOT / "configs" / "smoke.toml")
-
-DONE, FAILED, USAGE, INPUT, FILE, INTERRUPTED = 0, 1, 2, 3, 4, 130
-
-
-def pipeline(*arguments, cwd=None, **more):
-    return subprocess.run([PIPELINE, *map(str, arguments)], cwd=cwd, text=True, capture_output=True, timeout=300, **more)
 
 
 def digest(path):
     with h5py.File(path) as file:
         return file.attrs["digest"]
-
-
-def one_line(run):
-    """stderr as the single line that an error must be."""
-    lines = run.stderr.strip().splitlines()
-    assert len(lines) == 1, run.stderr
-    return lines[0]
 
 
 @pytest.fixture(scope="module")

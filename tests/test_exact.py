@@ -1,18 +1,10 @@
 """Exact methods as their users meet them: beside a truth that counts containment, and on existing files."""
-import os
-import subprocess
-from pathlib import Path
 
 import h5py
 import pytest
+from program import ROOT, pipeline
 
-ROOT = Path(__file__).resolve().parent.parent
-PIPELINE = os.environ.get("PIPELINE", str(ROOT / "build" / "pipeline"))
 EXAMPLE = ROOT / "configs" / "replay_example.toml"  # a hero flies into a hollow box and out again
-
-
-def pipeline(*arguments):
-    return subprocess.run([PIPELINE, *map(str, arguments)], text=True, capture_output=True, timeout=300)
 
 
 def run_example(path, containment, algorithms):

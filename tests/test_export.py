@@ -17,6 +17,7 @@ import h5py
 import numpy as np
 import pytest
 from conftest import ROOT
+from program import one_line
 
 from analysis.load import load
 
@@ -27,12 +28,6 @@ TYPES = {"Float64": "<f8", "UInt32": "<u4", "UInt64": "<u8", "Int64": "<i8", "St
 def export(pipeline, *arguments, **more):
     command = [pipeline, "export", *map(str, arguments)]
     return subprocess.run(command, text=True, capture_output=True, timeout=100, **more)
-
-
-def one_line(run):
-    lines = run.stderr.strip().splitlines()
-    assert len(lines) == 1, run.stderr
-    return lines[0]
 
 
 def arrays(path):

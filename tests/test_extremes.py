@@ -41,20 +41,6 @@ CASE_COLUMNS = {
 ANSWER_COLUMNS = {"reported", "swapped", "moved", "failed"}
 
 
-@pytest.fixture(scope="module")
-def config(tmp_path_factory):
-    path = tmp_path_factory.mktemp("extremes") / "few.toml"
-    path.write_text(CONFIG)
-    return path
-
-
-@pytest.fixture(scope="module")
-def result(pipeline, config):
-    path = config.with_suffix(".h5")
-    subprocess.run([pipeline, "run", config, "-o", path], check=True, stdout=subprocess.DEVNULL)
-    return path
-
-
 def said(pipeline, *arguments):
     return subprocess.run([pipeline, *arguments], check=True, capture_output=True, text=True).stdout
 

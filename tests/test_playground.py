@@ -53,20 +53,6 @@ PASS_COLUMNS = {
 ANSWER_COLUMNS = {"first", "last", "flicker", "hits"}
 
 
-@pytest.fixture(scope="module")
-def config(tmp_path_factory):
-    path = tmp_path_factory.mktemp("playground") / "ball.toml"
-    path.write_text(CONFIG)
-    return path
-
-
-@pytest.fixture(scope="module")
-def result(pipeline, config):
-    path = config.with_suffix(".h5")
-    subprocess.run([pipeline, "run", config, "-o", path], check=True, stdout=subprocess.DEVNULL)
-    return path
-
-
 def test_nothing_is_integrated(pipeline, config, result):
     with h5py.File(result) as file:
         assert "physics" not in file

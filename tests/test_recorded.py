@@ -1,17 +1,12 @@
 """Recorded motions of tests/data decided and answered again: the same bits on every machine and build."""
 import json
-import os
-import subprocess
-from pathlib import Path
 
 import pytest
-
-ROOT = Path(__file__).resolve().parent.parent
-PIPELINE = os.environ.get("PIPELINE", str(ROOT / "build" / "pipeline"))
+from program import ROOT, pipeline
 
 
 def shown(*arguments):
-    run = subprocess.run([PIPELINE, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+    run = pipeline(*arguments)
     assert run.returncode == 0, run.stderr
     return json.loads(run.stdout)["digests"]
 

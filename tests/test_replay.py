@@ -1,31 +1,16 @@
 """Replayed scenes and containment as their users meet them: other people's meshes, motion and mistakes."""
 import json
-import os
 import shutil
 import subprocess
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from program import DONE, FILE, INPUT, PIPELINE, ROOT, one_line, pipeline
 
 from analysis.load import load
 
-ROOT = Path(__file__).resolve().parent.parent
-PIPELINE = os.environ.get("PIPELINE", str(ROOT / "build" / "pipeline"))
 EXAMPLE = ROOT / "configs" / "replay_example.toml"
-
-DONE, INPUT, FILE = 0, 3, 4
-
-
-def pipeline(*arguments, cwd=None):
-    return subprocess.run([PIPELINE, *map(str, arguments)], cwd=cwd, text=True, capture_output=True, timeout=300)
-
-
-def one_line(run):
-    lines = run.stderr.strip().splitlines()
-    assert len(lines) == 1, run.stderr
-    return lines[0]
 
 
 @pytest.fixture(scope="module")

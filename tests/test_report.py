@@ -16,6 +16,7 @@ from browser import browsing, open_page
 from conftest import ROOT, SCENES
 
 from analysis import labels, pareto, plots_error, thesis_figures
+from analysis import report as report_module
 from analysis.__main__ import main
 from analysis.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
 from analysis.load import load
@@ -65,6 +66,24 @@ def test_the_page_opens_without_a_message_and_is_not_blank(made, tmp_path, width
         assert len(drawn) >= 3 and all(size > 250 for size in drawn)
     image = matplotlib.image.imread(tmp_path / "page.png")
     assert image[..., :3].std() > 0.05
+
+
+def test_text_in_pictures_is_readable_on_a_phone(tmp_path):
+    parts = []
+    for size in (7.5, 9):
+        fig, ax = figure()
+        ax.text(0, 0, "a cell", fontsize=size)
+        parts.append(Figure("t", svg_of(fig), "c", pd.DataFrame({"x": [1]}), f"f{size * 10:.0f}"))
+    (tmp_path / "page.html").write_text(page("t", [], [], [Section("s", parts)]), encoding="utf-8")
+    with browsing(tmp_path / "page.html", width=390, phone=True) as opened:
+        assert opened.evaluate("document.documentElement.scrollWidth") == 390
+        for key, least, wide in (("f75", 9.4, 540), ("f90", 7.9, 380)):
+            width = opened.evaluate(f"document.querySelector('#{key} svg').getBoundingClientRect().width")
+            sizes = opened.evaluate(f"[...document.querySelectorAll('#{key} text')].map(t => parseFloat(getComputedStyle(t).fontSize))")
+            assert min(sizes) * width / 432 >= least  # 432 points wide
+            assert abs(width - wide) < 10  # what is large enough fits the screen, the other scrolls within itself
+        scrolls = "(e => [e.scrollWidth > e.clientWidth, getComputedStyle(e).overflowX])(document.querySelector('#f75 .picture'))"
+        assert opened.evaluate(scrolls) == [True, "auto"]
 
 
 def test_the_page_needs_nothing_else(made):
@@ -226,6 +245,14 @@ def test_labels_cover_neither_each_other_nor_marks(seed, count):
     assert not ((low[:, None] < marks[None] + 4) & (marks[None] - 4 < high[:, None])).all(axis=2).any(), f"seed {seed}"
 
 
+@pytest.mark.parametrize("line", [(115, 0, 115, 200), (107.5, 0, 107.5, 200)], ids=["through it", "at its edge"])
+def test_a_label_goes_where_no_line_touches_it(line):
+    free = labels.place([0], [(40, 9)], (0, 0, 200, 200), [(100, 100)], [4], [])
+    assert tuple(free[0]) == (108, 95.5)  # to the right, in the middle
+    (left, low), *_ = labels.place([0], [(40, 9)], (0, 0, 200, 200), [(100, 100)], [4], [line])
+    assert not left - 1 < line[0] < left + 41
+
+
 def points(rows):
     """label, error, ns -> what finding() asks of points."""
     table = pd.DataFrame(rows, columns=["label", "error", "time_mean_ns"])
@@ -271,6 +298,19 @@ def test_few_labels_are_all_named_beside_their_marks(result_file):
         assert set(run.meta["algorithms"]) <= set(named)
 
 
+def test_long_labels_leave_room_to_the_bars_and_none_is_an_axis_of_its_own_size(result_file, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(plots_error, "svg_of", lambda fig, titles=None: drawn.append(fig) or "")
+    scene, = pareto.scenes([load(result_file)])
+    scene.points["label"] += "-with-a-name-of-sixty-four-characters-as-the-configuration-allows"
+    scene.points["false_negative"] = 0
+    plots_error.kinds(scene, "k")
+    drawn[0].draw_without_rendering()
+    for axes in drawn[0].axes:
+        assert axes.get_window_extent().width > 120  # of 432
+        assert axes.xaxis.get_offset_text().get_text() == ""  # not "1e-9"
+
+
 def test_an_algorithm_without_error_stands_in_the_strip(copy):
     assert "none is without error" in figures([load(copy)])[0].svg
     with h5py.File(copy, "r+") as file:
@@ -282,6 +322,23 @@ def test_an_algorithm_without_error_stands_in_the_strip(copy):
     drawn = figures([load(copy)])[0]
     assert drawn.title.startswith("obb_sat makes no error at ")
     assert "none is without error" not in drawn.svg and "ring: promises exactness" in drawn.svg
+
+
+def test_names_in_the_strip_stand_off_the_front(copy, tmp_path):
+    with h5py.File(copy, "r+") as file:
+        for name in ("error", "false_positive", "false_negative"):
+            file[f"summary/{name}"][...] = 0
+        file["summary/time_mean_ns"][...] = 10.0 ** np.arange(3, 3 + len(file["algorithm"]))
+    (tmp_path / "page.html").write_text(page("t", [], [], [Section("s", figures([load(copy)])[:1])]), encoding="utf-8")
+    with browsing(tmp_path / "page.html") as opened:
+        boxes = "[...document.querySelectorAll('svg %s')].map(e => e.getBoundingClientRect()).map(r => [r.top, r.bottom, r.width])"
+        dashed = opened.evaluate(boxes % "path[style*=dasharray]")
+        names = [box for box in opened.evaluate(boxes % "g[style*=paint-order] text")]
+    front = next(bottom for top, bottom, width in dashed if width > 100)  # it ends level, at no error
+    assert len(names) == len(load(copy).summary)
+    first, *others = sorted(names, key=lambda box: abs((box[0] + box[1]) / 2 - front))
+    for top, bottom, _ in others:  # the first stands before the line begins
+        assert bottom < front or top > front
 
 
 # ---- several files, machines, and what is odd
@@ -323,6 +380,13 @@ def odd(path, tmp_path, *words):
     for word in words:
         assert word in text, word
     assert open_page(output) == []
+
+
+def test_the_lead_counts_a_test_once_in_however_many_scenes(result_file, small_file):
+    runs = [load(result_file), load(small_file(ROOT / "configs" / "hriste.toml"))]
+    tests = {(answers["name"], answers["knobs"]) for run in runs for answers in run.meta["answers"].values()}
+    assert report_module.lead(runs, pareto.scenes(runs))[0].startswith(f"How often {len(tests)} collision tests")
+    assert len(tests) < sum(len(run.meta["algorithms"]) for run in runs)
 
 
 def test_zero_hits_are_said(pipeline, tmp_path):

@@ -1,28 +1,13 @@
 """`pipeline score`: what a baseline holds, what is compared, and what is refused."""
 import json
-import os
 import re
 import shutil
-import subprocess
-from pathlib import Path
 
 import h5py
 import pytest
+from program import DONE, FAILED, FILE, ROOT, USAGE, one_line, pipeline
 
-ROOT = Path(__file__).resolve().parent.parent
-PIPELINE = os.environ.get("PIPELINE", str(ROOT / "build" / "pipeline"))
-DONE, FAILED, USAGE, FILE = 0, 1, 2, 4
 BOX = ROOT / "tests" / "data" / "box.h5"
-
-
-def pipeline(*arguments):
-    return subprocess.run([PIPELINE, *map(str, arguments)], text=True, capture_output=True, timeout=300)
-
-
-def one_line(run):
-    lines = run.stderr.strip().splitlines()
-    assert len(lines) == 1, run.stderr
-    return lines[0]
 
 
 @pytest.fixture(scope="module")

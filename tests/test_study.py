@@ -16,7 +16,7 @@ import xarray
 from conftest import ROOT
 from test_cli import DONE, FILE, INPUT, INTERRUPTED, PIPELINE, digest, one_line, pipeline
 
-from analysis import studies
+from analysis import studies, study_tables
 from analysis.load import load
 
 CONFIG = """
@@ -186,6 +186,15 @@ def test_a_damaged_study_is_refused(result, tmp_path):
     assert run.returncode == FILE and "damaged" in one_line(run)
 
 
+def test_a_study_that_lacks_a_column_is_one_line_with_its_place(result, tmp_path):
+    copy = tmp_path / "x.h5"
+    copy.write_bytes(result.read_bytes())
+    with h5py.File(copy, "r+") as file:
+        del file["study/energy_error"]
+    run = analysis("study", copy)
+    assert run.returncode == FILE and one_line(run).startswith(f"{copy}: is damaged") and "energy_error" in run.stderr
+
+
 # ---- what the analysis makes of it
 
 
@@ -223,38 +232,15 @@ def test_an_order_is_fitted_between_the_coarse_and_the_rounded():
     for by in ("fixed_step", "accuracy"):
         fitted = studies.orders(cases([2.0, 5.0] + law[2:6] + [1e-13, 2e-13], by)).iloc[0]
         assert fitted.order == pytest.approx(2, abs=1e-9) and fitted.points == 4 and fitted.spread < 1e-9
+    # What is greater than a tenth is no part of the line, though there be only three points without it.
+    fitted = studies.orders(cases([2.0, 0.5] + law[2:5] + [1e-13])).iloc[0]
+    assert fitted.order == pytest.approx(2, abs=1e-9) and fitted.points == 3
+    # The finest four count.
+    fitted = studies.orders(cases([0.09, 0.06] + law[2:6])).iloc[0]
+    assert fitted.order == pytest.approx(2, abs=1e-9) and fitted.points == 4
     # What rises again after three points is rounding, and no part of the line.
     fitted = studies.orders(cases([0.05, 0.0125, 0.003125, 0.004, 0.005])).iloc[0]
     assert fitted.order == pytest.approx(2) and fitted.points == 3
-
-
-def stiff(rows):
-    return Fake([{"sweep": "drop", "integrator": integrator, "stiffness": stiffness, "finished": status == "finished",
-                  "status": status, "energy_error": error, "momentum_drift": 0.0, "greatest_penetration": 0.1,
-                  "force_evaluations": evaluations, "reason": ""}
-                 for integrator, stiffness, status, error, evaluations in rows])  # fmt: skip
-
-
-def test_the_stability_map_tells_sound_from_finished_and_failed():
-    run = stiff([("A", 1e6, "finished", 0.001, 100), ("A", 1e8, "finished", -0.02, 100), ("A", 1e10, "energy", 11, 9),
-                 ("B", 1e6, "finished", 0.01, 300), ("B", 1e8, "finished", 0.0, 300),
-                 ("B", 1e10, "aborted", np.nan, 0)])  # fmt: skip
-    table = studies.stability_map(run, "drop")
-    assert list(table.loc["A"]) == ["sound", "energy off", "energy"]
-    assert list(table.loc["B"]) == ["sound", "sound", "aborted"]
-    advice = studies.recommendation(run)
-    assert list(advice.index) == ["B", "A"]
-    assert advice.greatest_stiffness.to_dict() == {"B": 1e8, "A": 1e6}
-    assert "B: 2 of 3" in advice.attrs["sentence"]
-    with pytest.raises(KeyError, match="no sweep 'stack'"):
-        studies.stability_map(run, "stack")
-
-
-def test_of_equally_sound_integrators_the_accurate_comes_first_unless_it_is_dear():
-    cases = [("cheap", s, "finished", 1e-3, 100) for s in (1, 2)]
-    cases += [("accurate", s, "finished", 1e-5, 190) for s in (1, 2)]
-    cases += [("dear", s, "finished", 1e-9, 500) for s in (1, 2)]
-    assert list(studies.recommendation(stiff(cases)).index) == ["accurate", "cheap", "dear"]
 
 
 def test_drift_is_that_of_the_energy_and_the_lost(tmp_path):
@@ -274,7 +260,46 @@ def test_the_program_prints_what_applies(result):
     assert run.returncode == DONE, run.stderr
     for word in ("orders", "RungeKutta3", "drop, by stiffness", "1e+12"):
         assert word in run.stdout
+    assert "recommended" not in run.stdout  # no other factor tells the scenes' stiffness
     assert analysis("study", __file__).returncode == FILE
+
+
+def test_what_is_printed_recommends_as_the_report_does(config, tmp_path):
+    """Cases against a plate are none of stability, and a study of nothing but one case is not printed as nothing."""
+    more = tmp_path / "more.toml"
+    more.write_text(config.read_text() + '''
+[[sweep]]
+name = "losses"
+problem = "drop"
+integrator = ["ExplicitEuler", "RungeKutta3"]
+dissipation = [0, 0.1]
+duration = 1.5
+
+[[sweep]]
+problem = "thin_plate"
+integrator = ["RungeKutta3"]
+stiffness = [1e8, 1e12]
+greatest_step = [1e-2, 1e-3]
+''')
+    assert pipeline("run", more, "-o", tmp_path / "more.h5").returncode == DONE
+    table = study_tables.recommendation(load(tmp_path / "more.h5"))
+    best = table.integrator[table.recommended].to_list()
+    printed = analysis("study", tmp_path / "more.h5").stdout
+    _, _, near = printed.partition("near 1e+08 Pa\n")
+    assert len(best) == 1 and [line.split()[0] for line in near.splitlines() if line.endswith("True")] == best
+    assert "thin_plate" not in printed and "28 cases of 4 integrators: 2" in printed
+    assert pipeline("run", config, "-o", tmp_path / "one.h5", "--set", "every=100").returncode == DONE
+    assert analysis("study", tmp_path / "one.h5").stdout == "1 cases of 1 integrators: 1 finished\n"
+
+
+def test_small_numbers_of_a_drift_are_printed_and_not_rounded_to_nothing(tmp_path):
+    path = tmp_path / "smoke.h5"
+    assert pipeline("run", ROOT / "configs/smoke.toml", "-o", path, "--set", "steps=20").returncode == DONE
+    with h5py.File(path, "r+") as file:
+        file["physics"].attrs["quaternion_drift"] = 1.25e-13
+        file["physics"].attrs["status"] = "failed at step 17: more than 100000 steps in one sample at t = 0.3 s"
+    lines = dict(line.split(maxsplit=1) for line in analysis("study", path).stdout.splitlines())
+    assert lines["quaternion_drift"] == "1.25e-13" and lines["status"].endswith("at t = 0.3 s")
 
 
 # ---- what the configurations of scenes rest on

@@ -1,30 +1,15 @@
 """`pipeline verify`: agrees with true files, finds what was changed in others, and says what it did."""
 import json
-import os
 import shutil
-import subprocess
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from program import DONE, FAILED, FILE, INPUT, ROOT, USAGE, one_line, pipeline
 
 from test_file import digests_of
 
-ROOT = Path(__file__).resolve().parent.parent
-PIPELINE = os.environ.get("PIPELINE", str(ROOT / "build" / "pipeline"))
-DONE, FAILED, USAGE, INPUT, FILE = 0, 1, 2, 3, 4
 CLASSES = ("meet", "contained", "boxes_touch")
-
-
-def pipeline(*arguments):
-    return subprocess.run([PIPELINE, *map(str, arguments)], text=True, capture_output=True, timeout=300)
-
-
-def one_line(run):
-    lines = run.stderr.strip().splitlines()
-    assert len(lines) == 1, run.stderr
-    return lines[0]
 
 
 def verified(*arguments, code=DONE):

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from browser import browsing
 from conftest import ROOT
+from program import one_line
 
 from analysis import viewer
 from analysis.__main__ import main
@@ -80,12 +81,6 @@ def command(capsys):
         return SimpleNamespace(returncode=code, stdout=out, stderr=err)
 
     return run
-
-
-def one_line(run):
-    lines = run.stderr.strip().splitlines()
-    assert len(lines) == 1, run.stderr
-    return lines[0]
 
 
 # ---- what the page holds

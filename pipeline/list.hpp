@@ -1,0 +1,10 @@
+// `pipeline list WHAT`: what configurations can name. WHAT is algorithms, scenes, shapes, integrators or problems.
+#pragma once
+#include <string>
+
+namespace pipeline {
+
+std::string list_text(const std::string& what);
+std::string list_json(const std::string& what);
+
+}  // namespace pipeline

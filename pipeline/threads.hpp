@@ -1,0 +1,37 @@
+// Work on several threads.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <thread>
+#include <vector>
+
+namespace pipeline {
+
+/// `wanted`, or for 0 as many as there are cores.
+inline int thread_count(int wanted) {
+  return wanted > 0 ? wanted : int(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+/// Calls work() on so many threads at once, this one among them. One that throws calls stop(), which should end the
+/// others; what the first of them threw is thrown on when all have ended.
+template <class Work, class Stop>
+void on_threads(std::size_t threads, const Work& work, const Stop& stop) {
+  std::vector<std::exception_ptr> errors(threads);
+  const auto guarded = [&](std::size_t thread) {
+    try {
+      work();
+    } catch (...) {
+      errors[thread] = std::current_exception();
+      stop();
+    }
+  };
+  std::vector<std::jthread> others;
+  for (std::size_t thread = 1; thread < threads; ++thread) others.emplace_back(guarded, thread);
+  guarded(0);
+  others.clear();  // joins
+  for (const std::exception_ptr& error : errors)
+    if (error) std::rethrow_exception(error);
+}
+
+}  // namespace pipeline

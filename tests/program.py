@@ -1,0 +1,19 @@
+"""The built program, run as its users run it."""
+import os
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+PIPELINE = os.environ.get("PIPELINE", str(ROOT / "build" / "pipeline"))
+DONE, FAILED, USAGE, INPUT, FILE, INTERRUPTED = 0, 1, 2, 3, 4, 130  # exit codes
+
+
+def pipeline(*arguments, **more):
+    return subprocess.run([PIPELINE, *map(str, arguments)], text=True, capture_output=True, timeout=300, **more)
+
+
+def one_line(run):
+    """stderr as the single line that an error must be."""
+    lines = run.stderr.strip().splitlines()
+    assert len(lines) == 1, run.stderr
+    return lines[0]
