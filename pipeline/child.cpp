@@ -26,15 +26,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostSaid = 1 << 16;  // bytes of a child's stderr that are kept
-constexpr char kWhole = '\n';               // the last byte of a child that came to its end
+constexpr std::size_t kMostSaid = 300;  // bytes of a child's stderr that are kept: the last
+constexpr char kWhole = '\n';           // the last byte of a child that came to its end
+constexpr int kRound_ms = 100;          // of waiting; also how soon a wish to stop is seen
+constexpr double kMostRound = 0.2;      // s; what is beyond it was no waiting: Ctrl-Z had stopped all of us
 
 struct Child {
   std::size_t job = 0;
   pid_t pid = -1;
   int answer = -1, said = -1;  // ends of pipes; -1 when the child has closed its own
   std::string bytes, words;
-  Clock::time_point deadline;
+  double waited = 0;  // s
   bool late = false;
 };
 
@@ -51,19 +53,24 @@ void write_all(int file, std::string_view bytes) {
   }
 }
 
-[[noreturn]] void be_child(int answer, int said, const ChildLimits& limits,
+[[noreturn]] void be_child(pid_t parent, int answer, int said, const ChildLimits& limits,
                            const std::function<std::string(std::size_t)>& work, std::size_t job) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // Ctrl-C reaches the whole group: the parent decides.
+  if (getppid() != parent) _exit(1);  // it died before
+  // Both may reach the whole group: the parent decides, or the end of a job would be taken for its own.
   signal(SIGINT, SIG_IGN);
-  signal(SIGTERM, SIG_DFL);
+  signal(SIGTERM, SIG_IGN);
   const auto seconds = static_cast<rlim_t>(std::ceil(limits.processor_seconds));
   const rlimit processor{seconds, seconds + 1}, core{0, 0};
   setrlimit(RLIMIT_CPU, &processor);
   setrlimit(RLIMIT_CORE, &core);
-  const int nothing = open("/dev/null", O_WRONLY);
-  dup2(nothing, STDOUT_FILENO);
+  answer = fcntl(answer, F_DUPFD, STDERR_FILENO + 1);  // a parent without stdout may have given it that number
   dup2(said, STDERR_FILENO);
+  dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
+  dup2(answer, STDERR_FILENO + 1);
+  answer = STDERR_FILENO + 1;
+  // The rest is the parent's, its lock on the result among it: it must be free as soon as the parent is dead.
+  close_range(static_cast<unsigned>(answer) + 1, ~0u, 0);
   try {
     write_all(answer, work(job) + kWhole);
   } catch (const std::exception& error) {
@@ -79,11 +86,10 @@ Child start(std::size_t job, const ChildLimits& limits, const std::function<std:
   if (pipe2(answer, O_CLOEXEC) != 0 || pipe2(said, O_CLOEXEC) != 0) cannot("make a pipe");
   Child child;
   child.job = job;
-  child.deadline =
-      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limits.wall_seconds));
+  const pid_t self = getpid();
   child.pid = fork();
   if (child.pid < 0) cannot("start");
-  if (child.pid == 0) be_child(answer[1], said[1], limits, work, job);
+  if (child.pid == 0) be_child(self, answer[1], said[1], limits, work, job);
   close(answer[1]);
   close(said[1]);
   child.answer = answer[0];
@@ -91,7 +97,7 @@ Child start(std::size_t job, const ChildLimits& limits, const std::function<std:
   return child;
 }
 
-/// Takes what is there; closes `file` at its end.
+/// Takes what is there, keeps the last `most` bytes of all; closes `file` at its end.
 void take(int& file, std::string& into, std::size_t most) {
   char block[1 << 14];
   const ssize_t got = read(file, block, sizeof block);
@@ -101,13 +107,14 @@ void take(int& file, std::string& into, std::size_t most) {
     file = -1;
     return;
   }
-  if (into.size() < most) into.append(block, static_cast<std::size_t>(got));
+  into.append(block, static_cast<std::size_t>(got));
+  if (into.size() > most) into.erase(0, into.size() - most);
 }
 
 std::string failure_of(const Child& child, int status, const ChildLimits& limits) {
   std::string said = child.words;
   while (!said.empty() && said.back() == '\n') said.pop_back();
-  said = one_line(said, 300);
+  said = one_line(said, kMostSaid);
   if (child.late) return "more than " + real_text(limits.wall_seconds) + " s of wall time";
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
@@ -141,6 +148,7 @@ void in_children(std::size_t count, int processes, const ChildLimits& limits,
   Children children;
   auto& running = children.running;
   std::size_t next = 0;
+  Clock::time_point before = Clock::now();
   while (next < count || !running.empty()) {
     stop_if_wanted();
     while (next < count && running.size() < static_cast<std::size_t>(std::max(1, processes)))
@@ -151,12 +159,16 @@ void in_children(std::size_t count, int processes, const ChildLimits& limits,
       files.push_back({child.answer, POLLIN, 0});
       files.push_back({child.said, POLLIN, 0});
     }
-    poll(files.data(), files.size(), 100);  // ms; also how soon a wish to stop is seen
+    poll(files.data(), files.size(), kRound_ms);
+    const Clock::time_point now = Clock::now();
+    const double passed = std::min(kMostRound, std::chrono::duration<double>(now - before).count());
+    before = now;
     for (std::size_t i = 0; i < running.size(); ++i) {
       Child& child = running[i];
       if (files[2 * i].revents) take(child.answer, child.bytes, ~std::size_t{0});
       if (files[2 * i + 1].revents) take(child.said, child.words, kMostSaid);
-      if (!child.late && Clock::now() > child.deadline) {
+      child.waited += passed;
+      if (!child.late && child.waited > limits.wall_seconds) {
         child.late = true;
         kill(child.pid, SIGKILL);
       }

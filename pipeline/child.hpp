@@ -9,7 +9,7 @@ namespace pipeline {
 /// When a job is ended from outside.
 struct ChildLimits {
   double processor_seconds = 60;  // rounded up to a whole second
-  double wall_seconds = 600;
+  double wall_seconds = 600;      // without those for which the whole program was stopped (Ctrl-Z)
 };
 
 /// Jobs 0 to `count` - 1, each in a child process of its own, at most `processes` at a time. `work` runs in the child

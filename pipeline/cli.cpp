@@ -111,7 +111,9 @@ int dispatch(int argc, const char* const* argv) {
   run_command->add_option("CONFIG", config_path, "TOML file, see configs/")->required();
   run_command->add_option("-o,--output", output, "Result file (default: results/<config name>.h5)");
   run_command->add_option("--set", sets, "Overrule a key: --set physics.accuracy=1e-4")->allow_extra_args(false);
-  run_command->add_option("--threads", options.threads, "Threads of the truth stage (0: all cores)")
+  run_command
+      ->add_option("--threads", options.threads,
+                   "Threads of the truth stage, cases of a study at a time (0: all cores)")
       ->check(CLI::Range(0, 1024));
   run_command->add_flag("--force", options.force, "Replace an existing result, discard another unfinished run");
   run_command->add_flag("--quiet", options.quiet, "No progress on stderr");

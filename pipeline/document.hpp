@@ -1,6 +1,7 @@
 // A TOML document as its reader sees it: tables whose keys are asked for by name, rule and preset, and whose errors
 // name the place. The .cpp is the only file that sees toml++.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -109,6 +110,12 @@ class Section {
 
   /// Throws "'key' must RULE, not VALUE; REMEDY" for a key that is there.
   [[noreturn]] void refuse(std::string_view key, const std::string& rule, const std::string& remedy = "") const;
+  /// Refuses a key of which `values`, its list, names one twice.
+  template <class Values>
+  void refuse_twice(std::string_view key, const Values& values) const {
+    for (auto value = values.begin(); value != values.end(); ++value)
+      if (std::find(values.begin(), value, *value) != value) refuse(key, "name each but once", "remove the second");
+  }
   /// Throws `text` with the place of the table.
   [[noreturn]] void fail(const std::string& text) const;
   /// Where a key that is there was written: file:line:column, or the --set.

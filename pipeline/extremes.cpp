@@ -4,6 +4,7 @@
 #include <cassert>
 #include <limits>
 
+#include "geometry/contain.hpp"
 #include "geometry/meet.hpp"
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
@@ -196,13 +197,22 @@ std::vector<ExtremeCase> extreme_rows(const Bodies& bodies, const Poses& poses, 
     stop_if_wanted();
     const Bodies two = two_of(bodies, set.a, set.b);
     const std::vector<geometry::Bvh> bvhs = geometry::build_bvhs(two);
-    geometry::Decision decision(two, bvhs);
+    const bool contained_meets = truth.containment == Containment::meet;
+    std::vector<geometry::Solid> solids;
+    if (contained_meets)
+      for (const geometry::Mesh& mesh : two.meshes) solids.push_back(geometry::solid_of(mesh));
+    geometry::Decision decision(two, bvhs, solids);
     const auto meet = [&](std::vector<Pose> at) { return decision.meet(at, {0, 1}); };
+    const auto scores = [&](std::vector<Pose> at) {  // by the truth that scores
+      const PairRun run{0, 1, 2};
+      std::vector<Pair> contained;
+      return !decision.hits(at, {&run, 1}, contained_meets ? &contained : nullptr).empty() || !contained.empty();
+    };
     for (std::size_t s = std::size_t(set.first_step); s < std::size_t(set.first_step + set.steps); ++s) {
       ExtremeCase& row = cases[s];
       const Pose &a = poses[s][set.a], &b = poses[s][set.b];
       row.truth = !truth.scoring(s).empty();
-      row.truth_moved = meet({{a.q, a.t + set.moved}, {b.q, b.t + set.moved}});
+      row.truth_moved = scores({{a.q, a.t + set.moved}, {b.q, b.t + set.moved}});
       const bool surfaces = !truth.hits.at(s).empty();
       const geometry::Vec3 away = double(kNearUlps) * set.outward;
       row.near_touching = std::abs(row.gap_ulps) <= kNearUlps || meet({a, {b.q, b.t + away}}) != surfaces ||

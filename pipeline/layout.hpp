@@ -122,7 +122,7 @@ inline constexpr Column<ExtremeCase, std::uint64_t> kCaseCounts[] = {
 inline constexpr Column<ExtremeCase, std::uint8_t> kCaseFlags[] = {
     {"truth", &ExtremeCase::truth, "1", "1 when the pair meets, by which answers are scored"},
     {"truth_moved", &ExtremeCase::truth_moved, "1",
-     "1 when the surfaces meet with both bodies moved by an exactly representable step"},
+     "1 when the pair meets with both bodies moved by an exactly representable step, by the same truth"},
     {"near_touching", &ExtremeCase::near_touching, "1",
      "1 within 1000 ulps of touching, or where the truth changes within 1000 ulps: to be counted apart"}};
 inline constexpr Column<ExtremeAnswers, std::vector<std::uint8_t>> kCaseAnswerFlags[] = {
@@ -200,14 +200,14 @@ inline constexpr Column<StudyRow, std::string> kStudyTexts[] = {
     {"units", &StudyRow::units, "1", "SI, or scaled: integrated in units of the problem's own length, mass and time"},
     {"status", &StudyRow::status, "1",
      "finished, exception, not_finite, energy, evaluations, time, tunnelled or aborted"},
-    {"reason", &StudyRow::reason, "1", "why it did not finish"}};
+    {"reason", &StudyRow::reason, "1", "why it did not finish, or why its error is not known"}};
 /// What a case is made of; NaN where its problem has no such parameter.
 inline constexpr Column<StudyRow, double> kStudyParameters[] = {
     {"accuracy", &StudyRow::accuracy, "1", "accuracy asked of the integrator; NaN: the step is fixed"},
     {"fixed_step", &StudyRow::fixed_step, "s", "length of every step; NaN: chosen by the accuracy"},
     {"nominal_order", &StudyRow::nominal_order, "1", "order of the integrator by its documentation; NaN: it varies"},
     {"duration", &StudyRow::duration, "s", "simulated time"},
-    {"greatest_step", &StudyRow::greatest_step, "s", "steps are at most of this length"},
+    {"greatest_step", &StudyRow::greatest_step, "s", "steps are at most of this length, unless fixed"},
     {"radius", &StudyRow::radius, "m", "radius of the ball"},
     {"thickness", &StudyRow::thickness, "m", "thickness of the plate"},
     {"offset", &StudyRow::offset, "m", "everything is moved so far along x, y and z"},
@@ -227,13 +227,13 @@ inline constexpr Column<StudyRow, double> kStudyReals[] = {
     {"position_error", &StudyRow::position_error, "m", "greatest error of a position at the end"},
     {"orientation_error", &StudyRow::orientation_error, "rad", "greatest error of an orientation at the end"},
     {"energy_error", &StudyRow::energy_error, "1",
-     "energy gained (positive) or lost against its balance, over the problem's energy: the worst of the whole time"},
+     "energy gained (positive) or lost against its balance, over the problem's energy: the worst of 256 looks"},
     {"momentum_drift", &StudyRow::momentum_drift, "1",
      "worst deviation of linear or angular momentum from its balance, over the problem's; NaN: no balance is known"},
     {"greatest_penetration", &StudyRow::greatest_penetration, "m", "greatest depth of a contact after a step"},
     {"smallest_step", &StudyRow::smallest_step, "s", "shortest step but the last"},
     {"preventing_step", &StudyRow::preventing_step, "s",
-     "where the ball tunnelled: the greatest step that stops it, from whatever phase; NaN: none was found"}};
+     "where the ball tunnelled: the greatest step (to 2 %) that stops it from each of 64 phases; NaN: none was found"}};
 inline constexpr Column<StudyRow, std::uint64_t> kStudyCounts[] = {
     {"steps", &StudyRow::steps, "1", "internal steps"},
     {"rejected_steps", &StudyRow::rejected_steps, "1", "internal steps tried and rejected"},

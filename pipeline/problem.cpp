@@ -101,13 +101,19 @@ Setting bounce(const StudyRow& row) {
   out.states = {at({0, -kDeep * row.radius, 0}), at({0, row.radius + gap, 0}, {0, -row.speed, 0})};
   out.physics.balance.tracked = row.dissipation > 0;
   out.reference = [row, mass, gap, states = out.states]() mutable {
-    double& height = states[1].position[1];
-    if (row.dissipation > 0)
-      height = column_heights({{mass}, {row.radius}, {row.radius + gap}, {-row.speed}, row.stiffness, row.dissipation},
-                              row.duration)[0];
-    else
-      height =
-          row.radius + gap_after_bounce(gap, row.speed, hertz_stiffness(row.stiffness, row.radius), mass, row.duration);
+    const bool lossless = !(row.dissipation > 0);
+    const double parted =
+        lossless ? gap_after_bounce(gap, row.speed, hertz_stiffness(row.stiffness, row.radius), mass, row.duration)
+                 : std::numeric_limits<double>::quiet_NaN();
+    // No closed form with loss, nor while they touch.
+    states[1].position[1] = std::isnan(parted) ? column_heights({{mass},
+                                                                 {row.radius},
+                                                                 {row.radius + gap},
+                                                                 {-row.speed},
+                                                                 row.stiffness,
+                                                                 lossless ? 0 : row.dissipation},
+                                                                row.duration)[0]
+                                               : row.radius + parted;
     return states;
   };
   shift(out, row.offset);
@@ -174,7 +180,13 @@ Setting two_balls(const StudyRow& row) {
   out.reference = [=, time = row.duration, stiffness = row.stiffness, speed = row.speed,
                    states = out.states]() mutable {
     const double hertz = hertz_stiffness(stiffness, r1 * r2 / (r1 + r2));
-    const double apart = r1 + r2 + gap_after_bounce(gap, speed, hertz, reduced, time);
+    double apart = r1 + r2 + gap_after_bounce(gap, speed, hertz, reduced, time);
+    // No closed form while they touch, nor when they are so soft that they pass through each other.
+    if (std::isnan(apart) || hertz_depth(hertz, reduced, speed) >= r1 + r2) {
+      const auto heights =
+          column_heights({{m1, m2}, {r1, r2}, {0, r1 + r2 + gap}, {0, -speed}, stiffness, 0, 0, false}, time);
+      apart = heights[1] - heights[0];
+    }
     const double centre = m2 / (m1 + m2) * (r1 + r2 + gap - speed * time);  // of mass, along the line
     states[0].position = (centre - m2 / (m1 + m2) * apart) * line;
     states[1].position = (centre + m1 / (m1 + m2) * apart) * line;
@@ -342,9 +354,11 @@ void complete(StudyRow& row) {
   if (std::isnan(row.inertia)) row.inertia = 0.4 * row.mass * row.radius * row.radius;
 }
 
-ParameterRule parameter_rule(const std::string& name) {
+ParameterRule parameter_rule(const std::string& problem, const std::string& name) {
   if (name == "offset") return {.range = {.least = -1e12, .most = 1e12}};
-  if (name == "dissipation" || name == "speed") return {.range = {.least = 0, .most = 1e12}};
+  if (name == "dissipation") return {.range = {.least = 0, .most = 1e12}};
+  // Only what falls meets anything without a speed of its own.
+  if (name == "speed") return {.range = {.least = 0, .most = 1e12, .above = problem != "drop"}};
   if (name == "balls") return {.range = {.least = 1, .most = 1000}, .whole = true};
   return {.range = {.least = 0, .most = 1e30, .above = true}};
 }

@@ -36,12 +36,12 @@ const std::vector<Problem>& problems();
 /// of 1000 kg/m^3.
 void complete(StudyRow& row);
 
-/// What values of a parameter are allowed. `whole`: only integers.
+/// What values of a problem's parameter are allowed. `whole`: only integers.
 struct ParameterRule {
   Range range;
   bool whole = false;
 };
-ParameterRule parameter_rule(const std::string& name);
+ParameterRule parameter_rule(const std::string& problem, const std::string& name);
 
 /// The same problem in other units: lengths in `length` m, masses in `mass` kg, times in `time` s.
 Setting in_units(Setting setting, double length, double mass, double time);

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 
 namespace pipeline {
 namespace {
@@ -150,14 +152,16 @@ struct Top {
 // error is zero for what is nearly a quadrature, as a ball that enters a contact at a steady speed is: it missed 1e-8 m
 // there.
 
-/// Integrates from 0 to `time`; `greatest` s is the greatest step.
-template <class System>
-void integrate(const System& system, Extended& state, double time, double greatest, double tolerance) {
+/// Integrates from 0 to `time`; `greatest` s is the greatest step. `look` is given every state that is kept.
+template <class System, class Look>
+void integrate(const System& system, Extended& state, double time, double greatest, double tolerance,
+               const Look& look) {
   namespace odeint = boost::numeric::odeint;
   using Stepper = odeint::runge_kutta_dopri5<Extended, long double>;
   const auto controlled = odeint::make_controlled<Stepper>(tolerance, tolerance, static_cast<long double>(greatest));
   odeint::integrate_adaptive(controlled, system, state, 0.0L, static_cast<long double>(time),
-                             static_cast<long double>(greatest) / 16);
+                             static_cast<long double>(greatest) / 16,
+                             [&](const Extended& kept, long double) { look(kept); });
 }
 
 }  // namespace
@@ -167,11 +171,14 @@ double hertz_stiffness(double stiffness, double radius) {
   return 4. / 3. * stiffness / std::pow(2., 1.5) * std::sqrt(radius);
 }
 
+double hertz_depth(double hertz, double mass, double speed) {
+  return std::pow(5. / 4. * mass * speed * speed / hertz, 2. / 5.);
+}
+
 double hertz_contact_time(double hertz, double mass, double speed) {
-  const double depth = std::pow(5. / 4. * mass * speed * speed / hertz, 2. / 5.);
   const double integral = std::sqrt(boost::math::constants::pi<double>()) * boost::math::tgamma(7. / 5.) /
                           boost::math::tgamma(9. / 10.);  // of 1 / sqrt(1 - x^(5/2)) from 0 to 1
-  return 2 * integral * depth / speed;
+  return 2 * integral * hertz_depth(hertz, mass, speed) / speed;
 }
 
 double gap_after_bounce(double gap, double speed, double hertz, double mass, double time) {
@@ -235,7 +242,7 @@ std::array<double, 4> top_orientation_by_steps(const std::array<double, 3>& iner
     rate[5] = (i3 - i1) / i2 * w * x;
     rate[6] = (i1 - i2) / i3 * x * v;
   };
-  integrate(system, state, time, 0.05, 1e-16);
+  integrate(system, state, time, 0.05, 1e-16, [](const Extended&) {});
   std::array<double, 4> out;
   for (int i = 0; i < 4; ++i) out[i] = static_cast<double>(state[i]);
   const double norm = std::sqrt(std::inner_product(out.begin(), out.end(), out.begin(), 0.0));
@@ -243,37 +250,48 @@ std::array<double, 4> top_orientation_by_steps(const std::array<double, 3>& iner
   return out;
 }
 
-std::vector<double> column_heights(const Column& column, double time) {
+std::vector<double> column_heights(const Column& column, double time, std::size_t most_forces) {
   const std::size_t count = column.mass.size();
-  std::vector<double> hertz(count);  // of each ball with what is below it
-  for (std::size_t i = 0; i < count; ++i) {
-    const double r = column.radius[i];
-    hertz[i] = hertz_stiffness(column.stiffness, i == 0 ? r : r * column.radius[i - 1] / (r + column.radius[i - 1]));
-  }
+  const double greatest = *std::ranges::max_element(column.radius);
   Extended state(2 * count);
   for (std::size_t i = 0; i < count; ++i) {
     state[i] = column.height[i];
     state[count + i] = column.speed[i];
   }
+  std::size_t forces = 0;
   const auto system = [&](const Extended& y, Extended& rate, long double) {
+    if ((forces += count) > most_forces)
+      throw std::range_error("its reference would take more than " + std::to_string(most_forces) + " forces");
     rate.assign(2 * count, 0);
+    /// Of Hunt and Crossley, between ball `upper` and what is below it at `height`, with `speed`.
+    const auto force = [&](std::size_t upper, long double height, long double speed, double reach, double radius) {
+      const long double depth = reach - (y[upper] - height);
+      if (depth <= 0) return 0.0L;
+      const long double approach = speed - y[count + upper];
+      const long double hertz = hertz_stiffness(column.stiffness, radius);
+      return std::max(0.0L, hertz * depth * std::sqrt(depth) * (1 + 1.5L * column.dissipation * approach));
+    };
     for (std::size_t i = 0; i < count; ++i) {
+      const double r = column.radius[i];
       rate[i] = y[count + i];
       rate[count + i] -= column.gravity;
-      if (i == 0 && !column.floor) continue;
-      const long double below = i == 0 ? 0 : y[i - 1], reach = column.radius[i] + (i == 0 ? 0 : column.radius[i - 1]);
-      const long double depth = reach - (y[i] - below);
-      if (depth <= 0) continue;
-      const long double approach = (i == 0 ? 0 : y[count + i - 1]) - y[count + i];
-      const long double force =
-          hertz[i] * depth * std::sqrt(depth) * (1 + 1.5L * column.dissipation * approach);  // Hunt and Crossley
-      if (force <= 0) continue;
-      rate[count + i] += force / column.mass[i];
-      if (i > 0) rate[count + i - 1] -= force / column.mass[i - 1];
+      if (column.floor) rate[count + i] += force(i, 0, 0, r, r) / column.mass[i];
+      // Soft ones reach the next but one.
+      for (std::size_t j = i; j-- > 0 && y[i] - y[j] < r + greatest;) {
+        const double other = column.radius[j];
+        const long double push = force(i, y[j], y[count + j], r + other, r * other / (r + other));
+        rate[count + i] += push / column.mass[i];
+        rate[count + j] -= push / column.mass[j];
+      }
     }
   };
+  // Only of states that are kept: a step that is tried and refused may throw balls anywhere.
+  const auto in_order = [&](const Extended& y) {
+    for (std::size_t i = 1; i < count; ++i)
+      if (y[i] <= y[i - 1]) throw std::range_error("its balls pass through each other, where no reference is known");
+  };
   // No contact may pass between two steps, however calm the flight before it.
-  integrate(system, state, time, time / 1024, 1e-16 * *std::ranges::max_element(column.radius));
+  integrate(system, state, time, time / 1024, 1e-16 * greatest, in_order);
   return {state.begin(), state.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 

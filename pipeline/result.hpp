@@ -154,7 +154,8 @@ struct StudyRow {
   double stiffness = kNone;                                  // Pa
   double dissipation = kNone;                                // s/m
 
-  // What came of it. `status` is one of README's, `reason` says in words why it did not finish.
+  // What came of it. `status` is one of README's, `reason` says in words why it did not finish, or
+  // why its error is not known.
   std::string status = "not run", reason;
   double reached = kNone;                                                   // s
   double error = kNone, position_error = kNone, orientation_error = kNone;  // 1, m, rad

@@ -72,10 +72,12 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
   Target target(output, options.force);
   Part part(part_path, part_key(config, from), config.title, std::int64_t(cases.size()), options.force, true);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
+  // More would be short of processor, and its budget of wall time could decide.
+  const int processes = std::min(thread_count(options.threads), thread_count(0));
   Result result;
   {
     Progress progress("cases", cases.size(), options.quiet);
-    result.study = study_rows(*config.study, cases, thread_count(options.threads), part, progress);
+    result.study = study_rows(*config.study, cases, processes, part, progress);
   }
   describe(result, config, std::move(from), start);
   part.mark_complete();

@@ -155,12 +155,6 @@ void for_each_set(const ExtremesScene& scene, const std::vector<Place>& all, Vis
 
 // ---- Keys ----------------------------------------------------------------------------------------------------------
 
-void refuse_twice(const Section& s, const char* key, const auto& values) {
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (std::find(values.begin(), values.begin() + std::ptrdiff_t(i), values[i]) != values.begin() + std::ptrdiff_t(i))
-      s.refuse(key, "name each but once", "remove the second");
-}
-
 void read(const Section& s, Config& config) {
   s.only({"kind", "pairs", "scales", "offsets", "orientations"});
   ExtremesScene scene;
@@ -168,9 +162,9 @@ void read(const Section& s, Config& config) {
   scene.scales = s.numbers("scales", scene.scales, kScale);
   scene.offsets = s.numbers("offsets", scene.offsets, kOffset);
   scene.orientations = s.integer("orientations", scene.orientations, 1, kMostOrientations);
-  refuse_twice(s, "pairs", scene.pairs);
-  refuse_twice(s, "scales", scene.scales);
-  refuse_twice(s, "offsets", scene.offsets);
+  s.refuse_twice("pairs", scene.pairs);
+  s.refuse_twice("scales", scene.scales);
+  s.refuse_twice("offsets", scene.offsets);
   if (places(scene).empty())
     s.refuse("offsets", "hold one of at most 2^40 times a scale", "lower it, or raise 'scene.scales'");
   config.scene = std::move(scene);

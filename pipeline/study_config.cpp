@@ -42,10 +42,15 @@ Sweep sweep(const Section& s) {
   out.fixed_steps = s.numbers("fixed_step", {.least = 0, .above = true});
   if (!s.has("accuracy") && !s.has("fixed_step")) out.accuracies = {1e-3};
   out.units = s.choices("units", {"SI"}, {"SI", "scaled"});
+  s.refuse_twice("integrator", out.integrators);
+  s.refuse_twice("accuracy", out.accuracies);
+  s.refuse_twice("fixed_step", out.fixed_steps);
+  s.refuse_twice("units", out.units);
   for (const auto& [name, preset] : problem.presets) {
-    const ParameterRule rule = parameter_rule(name);
+    const ParameterRule rule = parameter_rule(problem.name, name);
     std::vector<double> values = s.numbers(name, rule.range, rule.whole);
     if (values.empty()) values = {preset};
+    s.refuse_twice(name, values);
     out.values.emplace_back(name, std::move(values));
   }
   return out;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "pipeline/reference.hpp"
 
@@ -78,6 +79,25 @@ TEST(Reference, AColumnAtRestStaysUnderItsHertzianLoad) {
   const double depth = std::pow(mass * gravity / hertz_stiffness(stiffness, 1), 2. / 3.);
   const auto heights = column_heights({{mass}, {1}, {1 - depth}, {0}, stiffness, 0.1, gravity, true}, 0.5);
   EXPECT_NEAR(heights[0], 1 - depth, 1e-14);
+}
+
+TEST(Reference, BallsThatPassThroughEachOtherHaveNone) {
+  const pipeline::Column soft{{10, 10}, {0.5, 0.5}, {0, 3}, {2, -4}, 1e2, 0, 0, false};
+  EXPECT_THROW(column_heights(soft, 1), std::range_error);
+  // So stiff that steps that are tried, and refused, throw them past each other: that is no passing.
+  const pipeline::Column stiff{{4189, 4189, 4189}, {1, 1, 1}, {1, 3, 5}, {0, 0, 0}, 1e30, 0.1, 9.81};
+  try {
+    column_heights(stiff, 1, 10'000);
+    FAIL() << "a second of it takes more";
+  } catch (const std::range_error& error) {
+    EXPECT_STREQ(error.what(), "its reference would take more than 10000 forces");
+  }
+}
+
+TEST(Reference, AColumnThatTakesTooLongIsGivenUp) {
+  const pipeline::Column column{{4189}, {1}, {3}, {-5}, 1e8, 0.1};
+  EXPECT_THROW(column_heights(column, 1, 1000), std::range_error);
+  EXPECT_EQ(column_heights(column, 1, 100'000), column_heights(column, 1));
 }
 
 TEST(Reference, ThePendulumIsHarmonicWhenSmallAndReturnsAfterItsPeriod) {

@@ -44,12 +44,12 @@ std::string refusal(const std::string& keys, const std::string& root = "") {
   return "accepted";
 }
 
-Truth truth_of(const Scene& scene) {
+Truth truth_of(const Scene& scene, Containment containment = Containment::ignore) {
   const TemporaryFolder folder;
   const auto steps = std::int64_t(scene.script.size());
   Part part(folder / "p", {}, "", steps, false);
   Progress quiet("truth", 0, true);
-  return decide(scene.bodies, scene.script, 1, part, quiet);
+  return decide(scene.bodies, scene.script, 1, part, quiet, containment);
 }
 
 }  // namespace
@@ -208,6 +208,24 @@ TEST(Extremes, RowsTellTruthAndWhatIsNearTouching) {
     }
   EXPECT_GT(near, 20u);
   EXPECT_GT(far, 20u);
+}
+
+// What is well inside stays there when both are moved. It was asked by surface alone, and every nested case looked as
+// if the truth had changed.
+TEST(Extremes, MovingKeepsTheContainedContainedWhereTheyMeet) {
+  const Scene scene =
+      made(extremes("pairs = [\"box-nested_box\", \"sphere-nested_sphere\"]\nscales = [1]\noffsets = [0]\n"));
+  const Truth truth = truth_of(scene, Containment::meet);
+  Progress quiet("cases", 0, true);
+  std::size_t nested = 0;
+  const auto rows = extreme_rows(scene.bodies, scene.script, truth, scene.case_sets, scene.cases, quiet);
+  for (std::size_t s = 0; s < rows.size(); ++s) {
+    if (truth.contained.at(s).empty() || rows[s].gap_ulps <= 1000) continue;
+    EXPECT_EQ(rows[s].truth, 1);
+    EXPECT_EQ(rows[s].truth_moved, 1) << rows[s].pair << ' ' << rows[s].gap_class;
+    ++nested;
+  }
+  EXPECT_GT(nested, 10u);
 }
 
 // A mesh that an algorithm refuses is data: the other algorithms and the other meshes are answered.

@@ -1,5 +1,6 @@
 """Studies of the integrators: the file, resuming, refusals; and what the analysis makes of cases."""
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -117,6 +118,27 @@ def test_an_interrupted_study_leaves_no_process_and_is_resumed(tmp_path):
     again.send_signal(signal.SIGINT)
     assert again.wait(30) == INTERRUPTED
     assert (part / "case-0000001").stat().st_mtime_ns == kept
+
+
+def test_no_more_processes_run_than_processors(tmp_path):
+    """With 64 at a time and as many files allowed the pipes ran out; on two processors wall time could decide a case."""
+    processors = len(os.sched_getaffinity(0))
+    config = tmp_path / "slow.toml"
+    steps = [1e-7 * (1 + i) for i in range(processors + 3)]
+    config.write_text('study = "integration"\n[budget]\nforce_evaluations = 100000000\n[[sweep]]\nproblem = "pendulum"\n'
+                      f'integrator = ["RungeKutta2"]\nfixed_step = {steps}\n')  # fmt: skip
+    run = subprocess.Popen([PIPELINE, "run", config, "-o", tmp_path / "slow.h5", "--threads", "1024"],
+                           stderr=subprocess.DEVNULL)  # fmt: skip
+    most, deadline = 0, time.time() + 60
+    while time.time() < deadline:
+        with open(f"/proc/{run.pid}/task/{run.pid}/children") as file:
+            now = len(file.read().split())
+        if now >= processors and most < processors:
+            deadline = time.time() + 0.2
+        most = max(most, now)
+    run.send_signal(signal.SIGINT)
+    assert run.wait(30) == INTERRUPTED
+    assert most == processors
 
 
 def test_the_rest_of_a_study_is_run_when_resumed(config, result, tmp_path):
