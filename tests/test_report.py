@@ -356,6 +356,7 @@ def test_another_machines_times_are_drawn_apart_and_it_is_said(result_file, copy
     assert main(["report", str(copy), "-o", str(path)]) == 0
     text = path.read_text(encoding="utf-8")
     assert "timed on 2 different machines or builds" in text and "Their times are drawn apart" in text
+    assert "“pipeline detect FILE --force” times them anew" in text
     assert 'id="error-time-1-1"' in text and 'id="error-time-1-2"' in text
     apart = text[text.index('id="error-time-1-2"') :]
     assert apart[: apart.index("</figure>")].count("<title>") == 1  # obb_sat alone
