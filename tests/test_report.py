@@ -447,6 +447,13 @@ def test_what_makes_times_or_answers_doubtful_is_said(copy, tmp_path, brief):
 # ---- the output
 
 
+def test_a_name_that_is_no_utf8_is_drawn(copy, tmp_path, brief):
+    strange = os.fsdecode(os.fsencode(tmp_path / "strange") + b"\xff.h5")
+    shutil.copy(copy, strange)
+    assert main(["report", strange, "-o", str(tmp_path / "r.html")]) == 0
+    assert "strange?" in (tmp_path / "r.html").read_text(encoding="utf-8")
+
+
 def test_only_pages_are_overwritten(made, result_file, tmp_path, capsys, brief):
     precious = tmp_path / "precious.txt"
     precious.write_text("mine")
