@@ -16,9 +16,23 @@
 #include "algorithms/rotated_aabb.hpp"
 
 namespace algorithms {
+namespace {
+
+/// Any pairwise row may be a prefilter: only the whole table knows them all.
+std::vector<Algorithm> with_prefilters(std::vector<Algorithm> table) {
+  std::vector<std::string> names = {"none"};
+  for (const Algorithm& algorithm : table)
+    if (algorithm.scope == Scope::pair) names.push_back(algorithm.name);
+  for (Algorithm& algorithm : table)
+    for (Knob& knob : algorithm.knobs)
+      if (knob.name == "prefilter") knob.choices = names;
+  return table;
+}
+
+}  // namespace
 
 const std::vector<Algorithm>& all() {
-  static const std::vector<Algorithm> table = {
+  static const std::vector<Algorithm> table = with_prefilters({
       obb_sat(),          //
       bounding_sphere(),  //
       rotated_aabb(),     //
@@ -34,7 +48,7 @@ const std::vector<Algorithm>& all() {
       exact(),            //
       exact_cold(),       //
       fcl_bvh(),          //
-  };
+  });
   return table;
 }
 

@@ -8,7 +8,7 @@
 
 namespace algorithms {
 
-/// The knob `prefilter`, rotated_aabb by default.
+/// The knob `prefilter`, rotated_aabb by default; the table of all algorithms adds what it may name.
 Knob prefilter_knob();
 
 /// Algorithm::operations_unit of a row with a prefilter, from the unit of its own tests: names the prefilter's as well.

@@ -22,7 +22,7 @@ def write(path, text):
     refuse(path)
     part = f"{path}.{os.getpid()}.part"
     try:
-        with open(part, "w", encoding="utf-8") as file:
+        with open(part, "w", encoding="utf-8", errors="replace") as file:  # a file's name may be no UTF-8
             file.write(text)
         os.replace(part, path)
     except OSError as error:

@@ -162,7 +162,7 @@ def warnings(runs, found):
         if len(machines) > 1:
             lines.append(
                 f"{scene.title}: timed on {len(machines)} different machines or builds ({'; '.join(machines)}). Their"
-                " times are drawn apart; errors and operations compare."
+                " times are drawn apart; errors and operations compare. “pipeline detect FILE --force” times them anew."
             )
     return lines
 

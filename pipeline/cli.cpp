@@ -52,11 +52,15 @@ int finish(const Result& result, const std::string& path, bool json) {
   return bad.empty() ? kDone : kFailed;
 }
 
-/// A result for commands that need a whole one of a scene: the part of a run that is not finished has nothing to judge
-/// yet, and a study of integrators nothing at all.
-Result whole_result(const std::string& file) {
+/// The part of a run that is not finished has nothing to judge or add to yet.
+void refuse_part(const std::string& file) {
   if (std::error_code none; std::filesystem::is_directory(file, none) && file.ends_with(".part"))
     throw Error(kFile, file + ": is an unfinished run; finish it with the same `pipeline run`, then name the result");
+}
+
+/// A result for commands that need a whole one of a scene; a study of integrators has nothing to judge.
+Result whole_result(const std::string& file) {
+  refuse_part(file);
   Result result = read_result(file);
   if (result.study)
     throw Error(kFile, file + ": is a study of the integrators, without poses and answers; name a result of a scene");
@@ -185,6 +189,8 @@ int dispatch(int argc, const char* const* argv) {
   } catch (const CLI::Success& success) {  // --help, --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
+    if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-')
+      throw Error(kUsage, std::string(argv[1]) + ": is no subcommand; see pipeline --help");
     // CLI11's exit codes are not ours, and its message takes two lines.
     throw Error(kUsage, std::string(error.what()) + "; see pipeline --help");
   }
@@ -249,6 +255,7 @@ int dispatch(int argc, const char* const* argv) {
     warn(config.notes);
     return finish(run(config, options), output_path(config, options).string(), json);
   }
+  refuse_part(file);
   return finish(detect_again(file, added, options), file, json);
 }
 

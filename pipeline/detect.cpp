@@ -12,6 +12,7 @@ namespace {
 
 using algorithms::Method;
 using geometry::Bodies;
+using geometry::Pair;
 using geometry::PairRun;
 using geometry::Pose;
 
@@ -96,6 +97,11 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
                                                   : (timings[middle - 1].total_ns + timings[middle].total_ns) / 2);
 
   std::sort(hits.begin(), hits.end());  // a sweep reports in its own order
+  try {
+    check_hits(hits, runs);
+  } catch (const std::logic_error& error) {
+    throw std::logic_error(out.label + ": step " + std::to_string(step) + ": " + error.what());
+  }
   const std::vector<Pair> truth = all_truth.scoring(step);
   const std::vector<Pair> missed = without(truth, hits);
   std::vector<Pair> invented = without(hits, truth);
@@ -113,6 +119,20 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
 }
 
 }  // namespace
+
+void check_hits(std::span<const Pair> hits, std::span<const PairRun> runs) {
+  auto run = runs.begin();
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const auto [a, b] = hits[i];
+    while (run != runs.end() && (run->a < a || (run->a == a && run->last <= b))) ++run;
+    const char* mistake = nullptr;
+    if (run == runs.end() || run->a != a || b < run->first) mistake = "was not asked about";
+    if (i > 0 && hits[i] == hits[i - 1]) mistake = "was reported before";
+    if (mistake)
+      throw std::logic_error("the reported pair " + std::to_string(a) + ", " + std::to_string(b) + " " + mistake +
+                             "; answer with pairs of `runs`, a < b, each once");
+  }
+}
 
 void refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
   for (const AlgorithmChoice& choice : choices) set_up(bodies, choice);

@@ -1,6 +1,7 @@
 // The detect stage: asks every algorithm about every pair of every step, and times it.
 #pragma once
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "pipeline/config.hpp"
@@ -13,6 +14,10 @@ namespace pipeline {
 /// Throws Error(kInput) when the knobs of a choice do not fit these meshes, for instance a density of facets that needs
 /// billions of them: said before the run rather than after the motion.
 void refuse_unfit(const geometry::Bodies& bodies, const std::vector<AlgorithmChoice>& choices);
+
+/// Throws std::logic_error that names the first of `hits` that is no pair of `runs` or is there twice: a mistake of
+/// the method that would be scored as false positives. Both sorted.
+void check_hits(std::span<const geometry::Pair> hits, std::span<const geometry::PairRun> runs);
 
 /// Answers, operations, times and scores of every algorithm of `choices`, in their order. Single-threaded.
 ///

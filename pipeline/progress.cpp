@@ -12,7 +12,7 @@ std::atomic<bool> stop_wanted = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
 
 void stop_if_wanted() {
-  if (stop_wanted) throw Error(kInterrupted, "interrupted");
+  if (stop_wanted) throw Error(kInterrupted, "interrupted; the same command resumes a run and begins anything else anew");
 }
 
 Progress::Progress(std::string stage, std::uint64_t total, bool quiet)

@@ -86,6 +86,15 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
   return result;
 }
 
+/// A run never replaces what it reads, also with --force.
+void refuse_own_input(const Config& config, const fs::path& output) {
+  std::vector<fs::path> read = {config.path};
+  for (const auto& [file, hash] : config.inputs) read.push_back(config.path.parent_path() / file);
+  for (const fs::path& file : read)
+    if (std::error_code none; fs::equivalent(file, output, none))
+      throw Error(kFile, output.string() + ": is read by this run; choose another -o");
+}
+
 }  // namespace
 
 fs::path output_path(const Config& config, const RunOptions& options) {
@@ -97,6 +106,7 @@ Result run(const Config& config, const RunOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const fs::path output = output_path(config, options);
   const fs::path part_path = output.string() + ".part";
+  refuse_own_input(config, output);
   std::error_code unreadable;
   if (fs::exists(fs::symlink_status(output, unreadable))) Part::remove_complete(part_path);
   refuse_if_too_large(plan(config), output);

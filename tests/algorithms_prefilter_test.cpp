@@ -8,6 +8,13 @@ namespace {
 
 using namespace setting;
 
+/// What the knob of a row may name.
+std::vector<std::string> choices(const Algorithm& algorithm) {
+  for (const Knob& knob : algorithm.knobs)
+    if (knob.name == "prefilter") return knob.choices;
+  return {};
+}
+
 /// The rows that have the knob.
 std::vector<const Algorithm*> filtered() {
   std::vector<const Algorithm*> out;
@@ -27,7 +34,7 @@ TEST(Prefilter, ChoicesAreNoneAndEveryPairwiseAlgorithm) {
   std::vector<std::string> expected = {"none"};
   for (const Algorithm& algorithm : all())
     if (algorithm.scope == Scope::pair) expected.push_back(algorithm.name);
-  EXPECT_EQ(prefilter_knob().choices, expected);
+  for (const Algorithm* algorithm : filtered()) EXPECT_EQ(choices(*algorithm), expected) << algorithm->name;
 }
 
 TEST(Prefilter, StandsBeforeTheFiveOfTheThesis) {
@@ -47,7 +54,7 @@ TEST(Prefilter, LeavesTheHitsThatBothReport) {
   const Setting setting = crowd(random, 30, 3);
   for (const Algorithm* algorithm : filtered()) {
     const std::vector<Pair> alone = hits(algorithm->name, setting, {{"prefilter", std::string("none")}});
-    for (const std::string& name : prefilter_knob().choices) {
+    for (const std::string& name : choices(*algorithm)) {
       if (name == "none") continue;
       const std::vector<Pair> passed = hits(name, setting);
       std::vector<Pair> expected;

@@ -202,3 +202,24 @@ TEST(Detect, UnbornBodiesTakePartInNoPair) {
     EXPECT_EQ(answers.hits.at(2).size(), 0u) << answers.label;
   }
 }
+
+// What Method::answer must keep: an own broad phase that reports (b, a), strangers or a pair twice was scored as if it
+// had invented them.
+TEST(Detect, RefusesHitsThatWereNotAskedAboutOnce) {
+  using geometry::Pair;
+  const std::vector<geometry::PairRun> runs = {{0, 1, 3}, {0, 4, 5}, {2, 3, 5}};
+  const auto said = [&](std::vector<Pair> hits) -> std::string {
+    try {
+      check_hits(hits, runs);
+    } catch (const std::logic_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(said({}), "");
+  EXPECT_EQ(said({{0, 1}, {0, 2}, {0, 4}, {2, 3}, {2, 4}}), "");
+  EXPECT_EQ(said({{0, 4}, {2, 4}}), "");
+  for (const Pair stranger : {Pair{0, 0}, {0, 3}, {0, 5}, {1, 0}, {1, 2}, {2, 2}, {2, 5}, {3, 2}, {9, 9}})
+    EXPECT_NE(said({stranger}).find("was not asked about"), std::string::npos) << stranger.a << ' ' << stranger.b;
+  EXPECT_NE(said({{0, 4}, {2, 3}, {2, 3}}).find("pair 2, 3 was reported before"), std::string::npos);
+}

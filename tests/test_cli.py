@@ -135,6 +135,13 @@ def test_detect_adds_an_algorithm_and_keeps_motion_and_truth(smoke, tmp_path):
     assert rows["again"]["operations"] == rows["obb_sat"]["operations"]
 
 
+def test_detect_says_that_a_run_is_unfinished(tmp_path):
+    part = tmp_path / "x.h5.part"
+    part.mkdir()
+    run = pipeline("detect", part, "--algorithm", "aabb")
+    assert run.returncode == FILE and "finish it with the same `pipeline run`" in one_line(run)
+
+
 def test_detect_refuses_a_label_that_exists_unless_forced(smoke, tmp_path):
     copy = tmp_path / "copy.h5"
     shutil.copy(smoke, copy)
@@ -330,6 +337,10 @@ def test_wrong_grammar_is_code_2(arguments):
     run = pipeline(*arguments)
     assert run.returncode == USAGE
     assert run.stdout == "" and run.stderr != ""
+
+
+def test_an_unknown_subcommand_is_named():
+    assert one_line(pipeline("fly", SMOKE)) == "fly: is no subcommand; see pipeline --help"
 
 
 def test_an_existing_output_is_kept_unless_forced(tmp_path):

@@ -230,6 +230,14 @@ def test_open_and_degenerate_meshes_are_used_and_said(copy, tmp_path):
     assert len(lines) == 2 and "hero.obj: the surface is open" in lines[0] and "no area" in lines[1]
 
 
+def test_no_run_replaces_a_file_that_it_reads(copy, tmp_path):
+    for output in (copy, tmp_path / "replay_example" / "hero.obj", tmp_path / "replay_example" / "poses.csv"):
+        before = output.read_bytes()
+        run = pipeline("run", copy, "-o", output, "--force")
+        assert run.returncode == FILE and "is read by this run" in one_line(run)
+        assert output.read_bytes() == before
+
+
 def test_changed_input_does_not_resume_an_old_part(copy, tmp_path):
     path, part = tmp_path / "x.h5", tmp_path / "x.h5.part"
     # A thousand repeats, so that there is time to kill the run before it is done.

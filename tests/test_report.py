@@ -356,6 +356,7 @@ def test_another_machines_times_are_drawn_apart_and_it_is_said(result_file, copy
     assert main(["report", str(copy), "-o", str(path)]) == 0
     text = path.read_text(encoding="utf-8")
     assert "timed on 2 different machines or builds" in text and "Their times are drawn apart" in text
+    assert "“pipeline detect FILE --force” times them anew" in text
     assert 'id="error-time-1-1"' in text and 'id="error-time-1-2"' in text
     apart = text[text.index('id="error-time-1-2"') :]
     assert apart[: apart.index("</figure>")].count("<title>") == 1  # obb_sat alone
@@ -444,6 +445,13 @@ def test_what_makes_times_or_answers_doubtful_is_said(copy, tmp_path, brief):
 
 
 # ---- the output
+
+
+def test_a_name_that_is_no_utf8_is_drawn(copy, tmp_path, brief):
+    strange = os.fsdecode(os.fsencode(tmp_path / "strange") + b"\xff.h5")
+    shutil.copy(copy, strange)
+    assert main(["report", strange, "-o", str(tmp_path / "r.html")]) == 0
+    assert "strange?" in (tmp_path / "r.html").read_text(encoding="utf-8")
 
 
 def test_only_pages_are_overwritten(made, result_file, tmp_path, capsys, brief):

@@ -107,7 +107,7 @@ def test_an_interrupted_study_leaves_no_process_and_is_resumed(tmp_path):
         with open(children) as file:
             child = file.read().strip()
     run.send_signal(signal.SIGINT)
-    assert run.wait(30) == INTERRUPTED and run.stderr.read().strip() == "interrupted"
+    assert run.wait(30) == INTERRUPTED and run.stderr.read().startswith("interrupted; the same command resumes")
     assert not subprocess.run(["ps", "-p", child, "-o", "stat="], capture_output=True, text=True).stdout.strip()
     assert "2 of 3 cases" in pipeline("show", part).stdout
     status = json.loads(pipeline("show", part, "--json").stdout)
