@@ -237,7 +237,7 @@ TEST(Gap, OfMeshesHoldsWhatAllPairsOfTrianglesSay) {
   int compared = 0;
   for (int i = 0; compared < 14; ++i) {
     const Mesh &a = meshes[i % 4], &b = meshes[i / 4 % 4];
-    Pose at_a{setting::uniform_turn(random), {}}, at_b{setting::uniform_turn(random), {}};
+    Pose at_a{setting::uniform_turn(random), Vec3::Zero()}, at_b{setting::uniform_turn(random), Vec3::Zero()};
     at_b.t = (1.5 + setting::uniform(random)) * Vec3(2, setting::uniform(random), setting::uniform(random));
     if (setting::truly_meet(a, at_a, b, at_b)) continue;
     const auto s = oracle::world_triangles(a, at_a), t = oracle::world_triangles(b, at_b);
@@ -296,7 +296,7 @@ TEST(Gap, OnlyPairsWithinTheMarginThatDoNotMeet) {
 
 TEST(Gap, BoundsOnBothSidesOfTheMarginKeepThePair) {
   const Mesh cube = box("cube", {1, 1, 1});
-  const Pose at{setting::turn_deg({1, 2, 3}, 40), {}}, beside{setting::turn_deg({3, 1, 2}, 70), {1.9, 0.3, 0.2}};
+  const Pose at{setting::turn_deg({1, 2, 3}, 40), Vec3::Zero()}, beside{setting::turn_deg({3, 1, 2}, 70), {1.9, 0.3, 0.2}};
   const GapBounds wide = gap(cube, at, cube, beside);
   ASSERT_LT(wide.lower, wide.upper);
   const Setting s = Setting().add(cube, at).add(cube, beside);
