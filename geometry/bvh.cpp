@@ -1,7 +1,9 @@
-// Binned surface-area splits (I. Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007), median
-// splits where binning cannot help. The tree decides how fast an answer comes, never which.
+// Binned surface-area splits (I. Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007) along the
+// axes of each node's own box, median splits where binning cannot help. The tree decides how fast an answer comes,
+// never which.
 #include "geometry/bvh.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -17,38 +19,50 @@ namespace {
 constexpr std::uint32_t kBins = 16;      // Wald's choice; more gained nothing
 constexpr std::uint32_t kMaxDepth = 64;  // halving from there on bounds the depth, whatever the mesh
 
-struct Item {
-  Box box;
-  Vec3 centre;
-};
-
 /// Half the surface of a box, up to a factor; 0 for an empty one.
 double surface(const Box& box) {
   const Vec3 d = (box.max - box.min).cwiseMax(0);
   return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
 }
 
+/// Not less than x >= 0, or below it by an underflow, which geometry/frames.cpp allows for.
+float above(double x) { return static_cast<float>(x * (1 + 0x1p-22)); }
+
+/// x rounded to a float. By way of memory: where several are rounded side by side and used as doubles again, GCC 12.2's
+/// vectoriser loses the rounding.
+double as_float(double x) {
+  const volatile float rounded = static_cast<float>(x);
+  return rounded;
+}
+
+double dot(const Vec3& d, const Vec3& p) { return (d.x() * p.x() + d.y() * p.y()) + d.z() * p.z(); }
+
 class Builder {
  public:
-  explicit Builder(const Mesh& mesh) : items_(mesh.triangles.size()) {
-    for (std::size_t i = 0; i < items_.size(); ++i) {
-      for (const std::uint32_t v : mesh.triangles[i]) items_[i].box.add(mesh.vertices[v]);
-      items_[i].centre = 0.5 * items_[i].box.min + 0.5 * items_[i].box.max;  // halved first: no overflow
-    }
+  explicit Builder(const Mesh& mesh) : mesh_(mesh), items_(mesh.triangles.size()) {
     bvh_.order.resize(items_.size());
     std::iota(bvh_.order.begin(), bvh_.order.end(), 0u);
   }
 
   Bvh build() {
     add(0, static_cast<std::uint32_t>(items_.size()), 0);
+    bvh_.nodes.shrink_to_fit();
+    bvh_.bounds.shrink_to_fit();
     return std::move(bvh_);
   }
 
  private:
+  /// A facet in the frame of the node at hand.
+  struct Item {
+    Box box;
+    Vec3 centre;
+  };
+
   /// Adds the node over order[first, last) and all below it. The depth is bounded: kMaxDepth + log2(#facets).
   void add(std::uint32_t first, std::uint32_t last, std::uint32_t depth) {
     const auto node = static_cast<std::uint32_t>(bvh_.nodes.size());
     bvh_.nodes.push_back({first, last - first, 0});
+    bvh_.bounds.push_back(bound(std::span(bvh_.order).subspan(first, last - first)));
     if (last - first <= Bvh::kLeafSize) {
       std::sort(bvh_.order.begin() + first, bvh_.order.begin() + last);
       return;
@@ -58,6 +72,92 @@ class Builder {
     add(first, middle, depth + 1);
     bvh_.nodes[node].second = static_cast<std::uint32_t>(bvh_.nodes.size());
     add(middle, last, depth + 1);
+  }
+
+  /// Axes that may fit the facets, orthonormal floats: those of the mesh, those of the facets' second moments of area,
+  /// and the latter turned to the mean normal, along which a smooth surface is thin.
+  std::vector<Mat3> axes(std::span<const std::uint32_t> facets) const {
+    std::vector<Mat3> out = {Mat3::Identity()};
+    const auto offer = [&out](const Mat3& exact) {
+      const Mat3 rounded = exact.unaryExpr(&as_float);
+      if ((rounded.transpose() * rounded - Mat3::Identity()).squaredNorm() <= 0x1p-44) out.push_back(rounded);
+    };
+    const Vec3 origin = mesh_.vertices[mesh_.triangles[facets[0]][0]];
+    Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
+    Mat3 moments = Mat3::Zero();
+    double area = 0;  // twice
+    for (const std::uint32_t f : facets) {
+      const auto& [i, j, k] = mesh_.triangles[f];
+      const Vec3 p = mesh_.vertices[i] - origin, q = mesh_.vertices[j] - origin, r = mesh_.vertices[k] - origin;
+      const Vec3 n = (q - p).cross(r - p), sum = p + q + r;
+      const double twice = std::sqrt(dot(n, n));
+      normal += n;
+      mean += twice * sum;
+      moments += twice * (p * p.transpose() + q * q.transpose() + r * r.transpose() + sum * sum.transpose());
+      area += twice;
+    }
+    if (!(area > 1e-100 && area < 1e100)) return out;
+    mean /= 3 * area;
+    moments = moments / (12 * area) - mean * mean.transpose();
+    const Eigen::SelfAdjointEigenSolver<Mat3> solver(moments);
+    if (!moments.allFinite() || solver.info() != Eigen::Success) return out;
+    const Mat3 principal = solver.eigenvectors();  // by ascending moment
+    offer(principal);
+    const double length = std::sqrt(dot(normal, normal));
+    if (!(length > 1e-3 * area)) return out;  // they cancel out
+    normal /= length;
+    const auto across = [&normal](const Vec3& d) -> Vec3 { return d - dot(d, normal) * normal; };
+    Vec3 longest = across(principal.col(2));
+    if (dot(longest, longest) < 0.01) longest = across(principal.col(1));
+    longest /= std::sqrt(dot(longest, longest));
+    Mat3 turned;
+    turned << normal, longest, normal.cross(longest);
+    offer(turned);
+    return out;
+  }
+
+  /// A facet along a node's axes.
+  Box along(const Mat3& axes, std::uint32_t facet) const {
+    Box out;
+    for (const std::uint32_t v : mesh_.triangles[facet]) {
+      const Vec3& p = mesh_.vertices[v];
+      out.add(Vec3(dot(axes.col(0), p), dot(axes.col(1), p), dot(axes.col(2), p)));
+    }
+    return out;
+  }
+
+  /// The box with the least surface of those that the axes give; leaves the facets along its axes in `items_`. Rounding
+  /// is less than 16 u times the farthest vertex, u = 2^-53: part of what geometry/frames.cpp allows for.
+  Bvh::Bound bound(std::span<const std::uint32_t> facets) {
+    const auto around = [&](const Mat3& some) {
+      Box box;
+      for (const std::uint32_t f : facets) box.add(along(some, f));
+      return box;
+    };
+    const std::vector<Mat3> tried = axes(facets);
+    Mat3 best = tried[0];
+    Box box = around(best);
+    for (std::size_t i = 1; i < tried.size(); ++i)
+      if (const Box other = around(tried[i]); surface(other) < surface(box)) best = tried[i], box = other;
+    for (const std::uint32_t f : facets) {
+      Item& item = items_[f];
+      item.box = along(best, f);
+      item.centre = 0.5 * item.box.min + 0.5 * item.box.max;  // halved first: no overflow
+    }
+    Bvh::Bound out;
+    const Vec3 middle = 0.5 * box.min + 0.5 * box.max;
+    Vec3 centre;
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) out.row[i][k] = static_cast<float>(best(i, k));
+      centre[i] = as_float(dot(best.row(i), middle));
+      out.row[i][3] = static_cast<float>(centre[i]);
+    }
+    for (int k = 0; k < 3; ++k) {
+      const double at = dot(best.col(k), centre);
+      out.half[k] = above(std::fmax(box.max[k] - at, at - box.min[k]));
+    }
+    out.half[3] = (out.half[0] + out.half[1]) + out.half[2];
+    return out;
   }
 
   /// Orders [first, last) in two parts, neither empty, and returns where the second begins.
@@ -125,63 +225,16 @@ class Builder {
     return best;
   }
 
+  const Mesh& mesh_;
   std::vector<Item> items_;  // #facets
   Bvh bvh_;
 };
-
-/// Not less than x >= 0, unless that underflows: geometry/frames.hpp has no use for such small meshes.
-float above(double x) { return static_cast<float>(x * (1 + 0x1p-22)); }
-
-/// The unit normal of the facets, weighted by area; 0 where they cancel out or a length leaves the range of floats.
-Vec3 mean_normal(const Mesh& mesh, std::span<const std::uint32_t> facets) {
-  Vec3 sum = Vec3::Zero();
-  for (const std::uint32_t f : facets) {
-    const auto& [i, j, k] = mesh.triangles[f];
-    sum += (mesh.vertices[j] - mesh.vertices[i]).cross(mesh.vertices[k] - mesh.vertices[i]);
-  }
-  const double length = std::sqrt((sum.x() * sum.x() + sum.y() * sum.y()) + sum.z() * sum.z());
-  if (!(length > 1e-100 && length < 1e100)) return Vec3::Zero();
-  return sum / length;
-}
-
-/// The bound of facets whose box is known. The dot products below are off by less than 4 u |v|, u = 2^-53: part of what
-/// geometry/frames.hpp allows for.
-Bvh::Bound bound(const Mesh& mesh, std::span<const std::uint32_t> facets, const Box& box) {
-  Bvh::Bound out;
-  const Vec3 normal = mean_normal(mesh, facets);
-  for (int k = 0; k < 3; ++k) {
-    out.centre[k] = static_cast<float>(0.5 * box.min[k] + 0.5 * box.max[k]);
-    out.half[k] = above(std::fmax(box.max[k] - out.centre[k], out.centre[k] - box.min[k]));
-    out.normal[k] = static_cast<float>(normal[k]);
-  }
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const std::uint32_t f : facets)
-    for (const std::uint32_t v : mesh.triangles[f]) {
-      const Vec3& p = mesh.vertices[v];
-      const double along = (out.normal[0] * p.x() + out.normal[1] * p.y()) + out.normal[2] * p.z();
-      low = std::fmin(low, along);
-      high = std::fmax(high, along);
-    }
-  out.middle = static_cast<float>(0.5 * low + 0.5 * high);
-  out.thickness = above(std::fmax(high - out.middle, out.middle - low));
-  return out;
-}
 
 }  // namespace
 
 Bvh build_bvh(const Mesh& mesh) {
   assert(!mesh.triangles.empty() && "a mesh has a facet");
-  Bvh bvh = Builder(mesh).build();
-  std::vector<Box> boxes(bvh.nodes.size());
-  refit(bvh, mesh, mesh.vertices, boxes);
-  std::vector<std::uint32_t> last(bvh.nodes.size());  // a node's facets are order[first, last)
-  bvh.bounds.resize(bvh.nodes.size());
-  for (std::size_t i = bvh.nodes.size(); i-- > 0;) {
-    const Bvh::Node& node = bvh.nodes[i];
-    last[i] = node.count ? node.first + node.count : last[node.second];
-    bvh.bounds[i] = bound(mesh, std::span(bvh.order).subspan(node.first, last[i] - node.first), boxes[i]);
-  }
-  return bvh;
+  return Builder(mesh).build();
 }
 
 void refit(const Bvh& bvh, const Mesh& mesh, std::span<const Vec3> world, std::span<Box> boxes) {

@@ -1,9 +1,9 @@
 // A bounding-volume hierarchy over the facets of a mesh, built once in the mesh's own frame.
 //
-// Every node has a box and a slab across its mean normal, which is thin where the surface is smooth. Both are single
-// precision, rounded outward: they serve to reject, with the margins that geometry/frames.hpp proves. For bodies to
-// which these margins are no use, refit() gives every node the box of the very world vertices: no inflation, nothing to
-// prove.
+// Every node has an oriented box (S. Gottschalk, M. Lin, D. Manocha, "OBBTree: a hierarchical structure for rapid
+// interference detection", 1996) in single precision, rounded outward: it serves to reject, with the margins that
+// geometry/frames.hpp proves. For bodies to which these margins are no use, refit() gives every node the box of the
+// very world vertices: no inflation, nothing to prove.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -21,12 +21,12 @@ struct Bvh {
   struct Node {
     std::uint32_t first = 0, count = 0, second = 0;
   };
-  /// Around the vertices v of a node, in the mesh's frame: |v - centre| <= half per coordinate, and |normal . v -
-  /// middle| <= thickness. The normal is unit to rounding, or 0. Four lanes each, as the tests load them.
-  struct alignas(16) Bound {
-    float centre[3] = {}, middle = 0;
-    float half[3] = {}, thickness = 0;
-    float normal[3] = {}, unused = 0;
+  /// An oriented box around the vertices v of a node, in the mesh's frame: |axis k . (v - centre)| <= half[k], where
+  /// axis k is (row[0][k], row[1][k], row[2][k]) and row[i][3] is coordinate i of the centre. The axes are orthonormal
+  /// to rounding. half[3] is the sum of the other three. One line of the processor's cache.
+  struct alignas(64) Bound {
+    float row[3][4] = {};
+    float half[4] = {};
   };
   static constexpr std::uint32_t kLeafSize = 2;   // facets at most; measured: tests/benchmarks/truth_bench.cpp
   static constexpr std::size_t kMostDepth = 128;  // no path from the root is longer, whatever the mesh

@@ -3,6 +3,7 @@
 // Everything here only ever rejects, and by margins that cover every rounding: of the world vertices themselves, of the
 // matrices that are no exact rotations, and of the tests. The margins are proved in the source.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -58,24 +59,26 @@ struct Slab {
 
 Slab find_slab(const Body& a, const Body& b, const Vec3& direction, const Margin& margin, std::uint64_t& operations);
 
-/// Four lanes of floats.
-using Lanes = float __attribute__((vector_size(16)));
+/// A node of either body's hierarchy.
+struct NodePair {
+  std::uint32_t a, b;
+};
 
-/// Body b seen from a's frame, for tests of nodes against nodes.
+/// Body b seen from a's frame, for tests of nodes against nodes. The bodies' hierarchies must outlive it.
 class Relative {
  public:
   Relative(const Body& a, const Body& b, const Margin& margin);
 
-  /// Negative when no world vertex of a facet in node `a` can be where one of a facet in node `b` is, nor their hulls
-  /// touch: the two are certainly apart. Else how deep they overlap where they do least, metres: a guess at how likely
-  /// they meet.
-  float overlap(const Bvh::Bound& a, const Bvh::Bound& b) const;
+  /// Of two pairs of nodes at once, each: negative when no world vertex of a facet in node `a` can be where one of a
+  /// facet in node `b` is, nor their hulls touch: the two are certainly apart. Else how deep they overlap where they do
+  /// least, metres: a guess at how likely they meet.
+  std::array<float, 2> overlap(const std::array<NodePair, 2>& pairs) const;
 
  private:
-  Lanes column_[3], row_[3];    // of C = R_a^T R_b
-  Lanes offset_, offset_in_b_;  // R_a^T (t_b - t_a), R_b^T (t_b - t_a)
-  Lanes margin_;                // the fourth lane rejects nothing
-  float coarse_;
+  const Bvh::Bound *a_, *b_;
+  float c_[3][3];    // C = R_a^T R_b
+  float offset_[3];  // T = R_a^T (t_b - t_a)
+  float margin_;
 };
 
 }  // namespace geometry

@@ -15,8 +15,6 @@ namespace {
 
 Box box_of(const Triangle& t) { return {t[0].cwiseMin(t[1]).cwiseMin(t[2]), t[0].cwiseMax(t[1]).cwiseMax(t[2])}; }
 
-float size(const Bvh::Bound& bound) { return (bound.half[0] + bound.half[1]) + bound.half[2]; }
-
 /// The node `up` levels above the leaf that holds order[k].
 std::uint32_t above(const Bvh& bvh, std::uint32_t k, std::size_t up) {
   std::array<std::uint32_t, Bvh::kMostDepth> path;
@@ -128,8 +126,8 @@ bool Decision::separated(const Body& a, const Body& b, const Margin& close, Less
   const auto keep = [&](const Vec3& d) {
     for (int k = 0; k < 3; ++k) lesson.direction[k] = static_cast<float>(d[k]);
   };
-  keep(direction / length);
-  direction = Vec3(lesson.direction[0], lesson.direction[1], lesson.direction[2]);
+  direction /= length;
+  keep(direction);
   const Slab slab = find_slab(a, b, direction, close, operations_);
   if (slab.apart) return true;
   const Vec3 between = slab.to - slab.from;
@@ -140,24 +138,26 @@ bool Decision::separated(const Body& a, const Body& b, const Margin& close, Less
 
 /// Descends both hierarchies at once from two nodes, deepest overlap first.
 bool Decision::descend(const Body& a, const Body& b, const Relative& relative, NodePair from, Lesson& lesson) {
-  stack_.assign(1, from);
-  while (!stack_.empty()) {
-    const auto [i, j] = stack_.back();
-    stack_.pop_back();
+  std::array<NodePair, 2 * Bvh::kMostDepth> stack;  // every level of either hierarchy leaves one pair at most
+  std::size_t open = 0;
+  stack[open++] = from;
+  while (open > 0) {
+    const auto [i, j] = stack[--open];
     const Bvh::Node &m = a.bvh.nodes[i], &n = b.bvh.nodes[j];
     if (m.count && n.count) {
       if (leaves_meet(a, b, {i, j}, lesson)) return true;
       continue;
     }
-    const bool open_a = n.count || (!m.count && size(a.bvh.bounds[i]) >= size(b.bvh.bounds[j]));
-    NodePair near = open_a ? NodePair{i + 1, j} : NodePair{i, j + 1};
-    NodePair far = open_a ? NodePair{m.second, j} : NodePair{i, n.second};
-    float near_depth = relative.overlap(a.bvh.bounds[near.a], b.bvh.bounds[near.b]);
-    float far_depth = relative.overlap(a.bvh.bounds[far.a], b.bvh.bounds[far.b]);
+    const bool open_a = n.count || (!m.count && a.bvh.bounds[i].half[3] >= b.bvh.bounds[j].half[3]);
+    const std::array<NodePair, 2> halves = {open_a ? NodePair{i + 1, j} : NodePair{i, j + 1},
+                                            open_a ? NodePair{m.second, j} : NodePair{i, n.second}};
+    const std::array<float, 2> depth = relative.overlap(halves);
     operations_ += 2;
-    if (far_depth > near_depth) std::swap(near, far), std::swap(near_depth, far_depth);
-    if (far_depth >= 0) stack_.push_back(far);
-    if (near_depth >= 0) stack_.push_back(near);
+    const int deeper = depth[1] > depth[0];
+    stack[open] = halves[1 - deeper];
+    open += !(depth[1 - deeper] < 0);
+    stack[open] = halves[deeper];
+    open += !(depth[deeper] < 0);  // NaN, which there is none of, would reject nothing
   }
   return false;
 }

@@ -67,10 +67,6 @@ class Decision {
     std::uint32_t a_facet = kNone, b_facet = kNone;
     std::array<float, 3> direction{};  // of the world, unit to rounding; 0: none known
   };
-  struct NodePair {
-    std::uint32_t a, b;
-  };
-
   Body body(std::uint32_t body, const Enclosure& around, const Placement& at) const {
     return {bodies_.mesh_of(body), bvhs_[bodies_.mesh[body]], around, at};
   }
@@ -87,7 +83,6 @@ class Decision {
   BroadPhase broad_;
   std::vector<Pair> near_;
   std::vector<Lesson> memory_, learned_;  // sorted by pair
-  std::vector<NodePair> stack_;
   NodePairs placed_stack_;
   std::array<Placed, 2> placed_;
   std::uint64_t operations_ = 0;

@@ -296,7 +296,8 @@ TEST(Gap, OnlyPairsWithinTheMarginThatDoNotMeet) {
 
 TEST(Gap, BoundsOnBothSidesOfTheMarginKeepThePair) {
   const Mesh cube = box("cube", {1, 1, 1});
-  const Pose at{setting::turn_deg({1, 2, 3}, 40), Vec3::Zero()}, beside{setting::turn_deg({3, 1, 2}, 70), {1.9, 0.3, 0.2}};
+  const Pose at{setting::turn_deg({1, 2, 3}, 40), Vec3::Zero()},
+      beside{setting::turn_deg({3, 1, 2}, 70), {1.9, 0.3, 0.2}};
   const GapBounds wide = gap(cube, at, cube, beside);
   ASSERT_LT(wide.lower, wide.upper);
   const Setting s = Setting().add(cube, at).add(cube, beside);
