@@ -14,9 +14,8 @@
 //   g = q - p, at most 4 per coordinate up to rounding, has 128 u + 5 u, hence |g| has 133 sqrt(3) u, and 7 x 3 u for
 //   its own computation. Below 2^8 u in all.
 // - lower(): n is divided by its computed length, so |n| is 1 within 5 u and coordinates are at most 1 + u. A dot
-// product
-//   with a corner has 3 x 2 u for products, 4 u and 6 u for the sums and 3 x 2 u for the corner: 22 u. A difference of
-//   two is at most 12 and rounds by 12 u: 56 u. |n| takes 12 x 5 u more. Below 2^7 u in all.
+//   product with a corner has 3 x 2 u for products, 4 u and 6 u for the sums and 3 x 2 u for the corner: 22 u. A
+//   difference of two is at most 12 and rounds by 12 u: 56 u. |n| takes 12 x 5 u more. Below 2^7 u in all.
 // kError is 2^9 u: each bound is moved outwards by it, which covers the derived ones twice, and the rounding of that
 // very sum. Where the frame overflows, its coordinates are not finite, no comparison below is true and the bounds are
 // 0 and infinity.
