@@ -9,25 +9,26 @@ import sys
 
 from analysis import scenes, study_tables, viewer
 from analysis.load import load
-from analysis.output import refuse, write
+from analysis.output import open_standard_descriptors, refuse, say, write
 from analysis.statements import shown, verdicts
 
 KINDS = ("box", "falling", "playground")
 
 
 def main(arguments=None):
+    open_standard_descriptors()
     parser = argparse.ArgumentParser(prog="python3 -m analysis", description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(dest="command", required=True)
     command = commands.add_parser("statements", help="judge the thesis's statements on results")
     command.add_argument("file", nargs="+", help="results of the box, falling and playground scenes, one of each")
-    command.set_defaults(act=lambda chosen: print(table(verdicts(opened(chosen.file)))))
+    command.set_defaults(act=lambda chosen: say(table(verdicts(opened(chosen.file)))))
     command = commands.add_parser("report", help="one HTML page of figures and tables, which needs no network")
     command.add_argument("file", nargs="+", help="results; those of one motion and truth are drawn together")
     command.add_argument("-o", "--output", default="report.html", help="the page (default: report.html)")
     command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output))
     command = commands.add_parser("study", help="orders, stability and recommendation of a study; drift of a long run")
     command.add_argument("file", help="result of a study of integrators, or of an integrated scene")
-    command.set_defaults(act=lambda chosen: print(studied(chosen.file)))
+    command.set_defaults(act=lambda chosen: say(studied(chosen.file)))
     viewer.add_command(commands)
     chosen = parser.parse_args(arguments)
     try:
@@ -49,7 +50,7 @@ def write_report(paths, output):
     from analysis.report import report  # matplotlib is slow to load, and nothing above needs it
 
     write(output, report(runs))
-    print(output)
+    say(output)
 
 
 def studied(path):

@@ -3,8 +3,10 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -37,8 +39,9 @@ void on_signal(int signal) {
 
 /// Results are lost when stdout is: a full disk behind a redirection must not look like success.
 void put(const std::string& text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    throw Error(kFile, "stdout: cannot be written");
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0 ||
+      std::ferror(stdout))
+    throw Error(kFile, std::string("stdout: cannot be written (") + std::strerror(errno) + ")");
 }
 
 void warn(const std::vector<std::string>& lines) {
@@ -187,7 +190,9 @@ int dispatch(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version
-    return app.exit(success);
+    const int code = app.exit(success);
+    put("");
+    return code;
   } catch (const CLI::ParseError& error) {
     if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-')
       throw Error(kUsage, std::string(argv[1]) + ": is no subcommand; see pipeline --help");
