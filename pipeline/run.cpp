@@ -69,7 +69,7 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
   const fs::path part_path = output.string() + ".part";
   Provenance from = provenance();
   const std::vector<StudyRow> cases = study_cases(*config.study);
-  Target target(output, options.force);
+  Target target(output, options.force ? Existing::replace : Existing::refuse);
   Part part(part_path, part_key(config, from), config.title, std::int64_t(cases.size()), options.force, true);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   // More would be short of processor, and its budget of wall time could decide.
@@ -116,7 +116,7 @@ Result run(const Config& config, const RunOptions& options) {
   if (scene.case_sets.empty()) refuse_unfit(scene.bodies, config.algorithms);  // of extremes a refusal is an answer
 
   Provenance from = provenance();
-  Target target(output, options.force);
+  Target target(output, options.force ? Existing::replace : Existing::refuse);
   Part part(part_path, part_key(config, from), config.title, config.steps, options.force);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   const int threads = thread_count(options.threads);
@@ -178,7 +178,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   std::error_code missing;
   const fs::path real = fs::canonical(file, missing);  // a link stays one
   if (missing) read_result(file);                      // throws what is wrong
-  Target target(real, true);
+  Target target(real, Existing::update);
   Result result = read_result(real);
   if (result.study)
     throw Error(kFile,

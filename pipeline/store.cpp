@@ -438,7 +438,7 @@ void write_result(Result& result, Target& target) {
 }
 
 void write_result(Result& result, const path& path) {
-  Target target(path, true);
+  Target target(path, Existing::replace);
   write_result(result, target);
 }
 

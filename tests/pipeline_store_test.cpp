@@ -451,7 +451,7 @@ TEST_F(Store, SaysWhyAFileCannotBeWritten) {
   std::ofstream(file("plain"));
   const fs::path nowhere = file("plain") / "result.h5";
   const std::string line = writing_fails(nowhere);
-  EXPECT_EQ(line.rfind(nowhere.string() + ": cannot be written (Not a directory)", 0), 0u) << line;
+  EXPECT_EQ(line.rfind(nowhere.string() + ": the folder cannot be opened (Not a directory)", 0), 0u) << line;
   fs::create_directory(file("folder.h5"));
   EXPECT_NE(writing_fails(file("folder.h5")).find("not a regular file"), std::string::npos);
   EXPECT_NE(writing_fails("/dev/full").find("not a regular file"), std::string::npos);
