@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
+
+#include "pipeline/error.hpp"
 
 namespace pipeline {
 
@@ -27,7 +31,16 @@ void on_threads(std::size_t threads, const Work& work, const Stop& stop) {
     }
   };
   std::vector<std::jthread> others;
-  for (std::size_t thread = 1; thread < threads; ++thread) others.emplace_back(guarded, thread);
+  try {
+    for (std::size_t thread = 1; thread < threads; ++thread) others.emplace_back(guarded, thread);
+  } catch (const std::system_error& error) {
+    stop();
+    const std::size_t started = others.size() + 1;
+    others.clear();
+    throw Error(kFile, "threads: only " + std::to_string(started) + " of " + std::to_string(threads) +
+                           " could start (" + error.code().message() +
+                           "); give fewer --threads, or raise the limits of this shell (ulimit -u, -v)");
+  }
   guarded(0);
   others.clear();  // joins
   for (const std::exception_ptr& error : errors)
