@@ -3,17 +3,16 @@
 //
 // Keys are read without touching the files they name, because a result's own configuration is read again long after
 // they are gone. The files are read once, when the configuration is (complete), and kept with it.
+#include <fcntl.h>
+
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 #include <set>
 
 #include "geometry/contain.hpp"
 #include "geometry/mesh_file.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/file_bytes.hpp"
 #include "pipeline/poses_csv.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/scene.hpp"
@@ -138,19 +137,13 @@ struct Input {
 /// Reads the file that the key at `place` names and keeps its hash.
 Input read_input(Config& config, const std::string& written, const std::string& place) {
   const fs::path path = config.path.parent_path() / written;
-  const auto refuse = [&](const char* why) {
-    throw Error(kInput, place + " must name a file that can be read, not " + in_quotes(one_line(written)) + ": " +
-                            one_line(path.string(), 4096) + ": " + why);
-  };
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!stream) refuse(std::strerror(errno));
   Input input{.path = one_line(path.string(), 4096), .bytes = {}};
-  std::error_code error;
-  if (const auto size = fs::file_size(path, error); !error) input.bytes.reserve(size);
-  std::vector<char> block(1 << 20);
-  while (const std::size_t got = std::fread(block.data(), 1, block.size(), stream.get()))
-    input.bytes.append(block.data(), got);
-  if (std::ferror(stream.get())) refuse(std::strerror(errno));  // fopen opens folders; reading them fails
+  try {
+    input.bytes = read_regular(AT_FDCWD, path, /*follow_links=*/true, machine_memory() / 2);
+  } catch (const FileFailure& failure) {
+    throw Error(kInput, place + " must name a file that can be read, not " + in_quotes(one_line(written)) + ": " +
+                            input.path + ": " + failure.what());
+  }
   config.inputs[written] = sha256(input.bytes);
   return input;
 }
