@@ -393,12 +393,14 @@ h5::File open_result(const path& path) {
     throw Error(kFile, place + ": is a folder, not a file; name a result of `pipeline run`");
 
   h5::silence();
-  if (H5Fis_hdf5(place.c_str()) <= 0)
+  errno = 0;
+  if (H5Fis_hdf5(place.c_str()) <= 0 && !h5::out_of_memory())
     throw Error(kFile, place + ": is not an HDF5 file; name a result of `pipeline run`");
   const h5::Properties access(H5Pcreate(H5P_FILE_ACCESS), "make properties");
   // Results are never changed in place, so nothing need be locked; locking fails on some network disks.
   h5::check(H5Pset_file_locking(access.id(), false, true), "read without locking");
   const hid_t opened = H5Fopen(place.c_str(), H5F_ACC_RDONLY, access.id());
+  if (opened < 0 && h5::out_of_memory()) throw std::bad_alloc();
   if (opened < 0) {
     const bool truncated = h5::reason().find("truncated") != std::string::npos;
     throw Error(kFile, place + (truncated ? ": is truncated, its end is missing" : ": is damaged" + h5::reason()) +
@@ -459,7 +461,8 @@ Result read_result(const path& path) {
   } catch (const std::length_error&) {
     throw damaged("a dataset has an impossible size");
   } catch (const std::bad_alloc&) {
-    throw Error(kFile, place + ": needs more memory than there is, or is damaged; free memory or copy it again");
+    throw Error(kFile,
+                place + ": needs more memory than there is; free some, or raise the limit of this shell (ulimit -v)");
   }
 }
 

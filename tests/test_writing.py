@@ -425,6 +425,30 @@ def test_disks_that_fail_are_told_with_the_place(tmp_path, failing, long_digest)
     assert digest(path) == long_digest and names(tmp_path) == ["x.h5"]
 
 
+def test_too_little_memory_is_not_damage():
+    """It was "is damaged: HDF5 could not read /algorithm (memory allocation failed for chunk)"."""
+    path = ROOT / "tests" / "data" / "falling.h5"
+
+    def within(kibibytes, *arguments):
+        return pipeline(*arguments, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (kibibytes << 10,) * 2))
+
+    def least(*arguments):
+        low, high = 0, 4 << 20
+        assert within(high, *arguments).returncode == DONE
+        while high - low > 64:
+            middle = (low + high) // 2
+            low, high = (low, middle) if within(middle, *arguments).returncode == DONE else (middle, high)
+        return high
+
+    start, enough = least("--version"), least("show", path)
+    told = 0
+    for limit in range(start, enough, max(64, (enough - start) // 40)):
+        run = within(limit, "show", path)
+        assert "damaged" not in run.stderr and "not an HDF5" not in run.stderr, run.stderr
+        told += run.returncode == FILE and "needs more memory than there is" in run.stderr
+    assert told > 0
+
+
 def test_a_chunk_that_is_a_folder_is_told(tmp_path):
     path, part = tmp_path / "x.h5", tmp_path / "x.h5.part"
     killed_after(lambda: (part / "motion-0000000").exists(), "run", SMOKE, "-o", path, *LONG)
