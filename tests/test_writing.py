@@ -1,6 +1,7 @@
 """What is written is whole and one's own, or it is told: killed runs, closed descriptors, links and files of others in
 the way, locks, threads and disks that fail. Failures that cannot be had for real are made by a small library that is
 loaded before the C library; without a C compiler those tests are skipped."""
+import errno
 import itertools
 import json
 import os
@@ -15,7 +16,7 @@ import time
 
 import h5py
 import pytest
-from program import DONE, FILE, INTERRUPTED, PIPELINE, ROOT, one_line, pipeline
+from program import DONE, FILE, INPUT, INTERRUPTED, PIPELINE, ROOT, one_line, pipeline
 
 SMOKE = str(ROOT / "configs" / "smoke.toml")
 BOX = ROOT / "tests" / "data" / "box.h5"
@@ -276,6 +277,31 @@ def test_a_chunk_under_another_steps_name_is_not_taken(tmp_path, long_digest):
     assert digest(path) == long_digest
 
 
+REPLAY = """steps = 1
+[scene]
+kind = "replay"
+poses = "{poses}"
+[[scene.body]]
+name = "a"
+mesh = "{mesh}"
+"""
+
+
+@pytest.mark.parametrize("mesh, poses, kind", [("/dev/zero", "p.csv", "a device"), ("pipe", "p.csv", "a pipe"),
+                                               (".", "p.csv", "a folder"), ("m.obj", "pipe", "a pipe"),
+                                               ("m.obj", "/dev/zero", "a device")])  # fmt: skip
+def test_inputs_that_are_no_regular_files_are_refused_before_they_are_read(tmp_path, mesh, poses, kind):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (tmp_path / "p.csv").write_text("step,body,px,py,pz,qw,qx,qy,qz\n0,a,0,0,0,1,0,0,0\n")
+    config = tmp_path / "c.toml"
+    config.write_text(REPLAY.format(mesh=mesh, poses=poses))
+    run = pipeline("check", config)
+    assert run.returncode == INPUT and f"is {kind}, not a regular file" in one_line(run)
+    run = pipeline("check", tmp_path / "pipe")
+    assert run.returncode == INPUT and "is a pipe, not a regular file" in one_line(run)
+
+
 # ---- detect replaces its file and no other
 
 
@@ -377,9 +403,8 @@ def failing(tmp_path_factory):
     return lambda call, error: os.environ | {"LD_PRELOAD": str(folder / "shim.so"), "FAIL": f"{call}={int(error)}"}
 
 
-@pytest.mark.parametrize("error", ["ENOLCK", "EOPNOTSUPP", "ENOSYS"])
-def test_a_lock_that_cannot_be_had_is_not_another_run(tmp_path, failing, smoke, error):
-    number = getattr(__import__("errno"), error)
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS], ids=errno.errorcode.get)
+def test_a_lock_that_cannot_be_had_is_not_another_run(tmp_path, failing, smoke, number):
     env = failing("flock", number)
     output = tmp_path / "a" / "b" / "x.h5"
     copy = shutil.copy(smoke, tmp_path / "copy.h5")
@@ -394,8 +419,6 @@ def test_a_lock_that_cannot_be_had_is_not_another_run(tmp_path, failing, smoke, 
 
 
 def test_threads_and_children_that_cannot_start_are_told(tmp_path, failing):
-    import errno
-
     output = tmp_path / "x.h5"
     run = pipeline("run", SMOKE, "-o", output, *LONG, "--threads", "4", env=failing("pthread_create", errno.EAGAIN))
     assert run.returncode == FILE
@@ -408,8 +431,6 @@ def test_threads_and_children_that_cannot_start_are_told(tmp_path, failing):
 
 
 def test_disks_that_fail_are_told_with_the_place(tmp_path, failing, long_digest):
-    import errno
-
     path, part = tmp_path / "x.h5", tmp_path / "x.h5.part"
     run = pipeline("run", SMOKE, "-o", path, *LONG, env=failing("fsync", errno.EIO))
     assert run.returncode == FILE and "x.h5.part/truth-0" in one_line(run) and "Input/output error" in run.stderr
@@ -458,8 +479,6 @@ def test_a_chunk_that_is_a_folder_is_told(tmp_path):
 
 
 def test_a_part_that_cannot_be_removed_is_said(tmp_path, failing):
-    import errno
-
     path = tmp_path / "x.h5"
     run = pipeline("run", SMOKE, "-o", path, *SHORT, env=failing("rmdir", errno.EBUSY))
     assert run.returncode == DONE
