@@ -39,14 +39,15 @@ Target::Target(const path& target, Existing existing)
     made_.emplace(target.parent_path());
     folder_ = open_folder(target.parent_path());
     const int folder = folder_.number();
-    look();
-    lock_.emplace(folder, "." + name_ + ".lock");
+    const std::string lock = "." + name_ + ".lock";
+    if (!standing(folder, lock)) look();  // else a killed writer's things may be cleared away before it is refused
+    lock_.emplace(folder, lock);
     if (!lock_->held())
       throw Error(kFile, place + ": is being written by another run; wait for it or choose another place");
-    look();  // again: another may have finished just before
     // Nobody else is writing now: what has the name of a file in the making was left behind by a kill.
     for (const std::string& entry : names_in(folder))
       if (new_file_of(entry) == name_) remove_regular(folder, entry);
+    look();  // again: another may have finished just before
     file_.emplace(folder, name_, before_ ? before_->st_mode & 0777 : 0666);
     if (before_) file_->take_after(*before_);
   } catch (const FileFailure& failure) {

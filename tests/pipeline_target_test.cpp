@@ -99,6 +99,15 @@ TEST_F(TargetTest, SweepsWhatAKillLeftAndNothingElse) {
   EXPECT_EQ(names_in(folder), left);
 }
 
+// Killed after the result's rename: the same command is refused, and yet clears away.
+TEST_F(TargetTest, SweepsAlsoWhereItRefuses) {
+  put(file, "result");
+  put(folder / ".x.h5.lock", "");
+  put(folder / ".x.h5.0123abcd.new", "half a result");
+  EXPECT_NE(refusal([&] { Target(file, Existing::refuse); }).find("exists"), std::string::npos);
+  EXPECT_EQ(names_in(folder), std::set<std::string>{"x.h5"});
+}
+
 // Results were written through a link that stood at their predictable name with ".new".
 TEST_F(TargetTest, FollowsNoLink) {
   put(folder / "precious", "precious");
