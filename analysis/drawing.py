@@ -14,6 +14,7 @@ from analysis.scenes import twins
 from analysis.studies import simulated
 
 MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
+LINE = 19  # letters of a line above a small panel
 TIE = 20  # points from the end of a line to its name
 BINS = 150  # points of a line over steps: more are closer than a line is wide
 
@@ -123,8 +124,19 @@ def short(run, label):
 
 
 def full(run, labels):
-    """label -> letter and label, short enough for the head of a small panel."""
-    return {label: f"{key(run, label)} {text}".strip() for label, text in shortened(labels).items()}
+    """label -> letter and label, short enough for the end of a line."""
+    return {label: f"{key(run, label)} {text}".strip() for label, text in shortened(labels, 32).items()}
+
+
+def heads(run, labels):
+    """label -> letter and label as the head of a small panel: two lines where one has no room for it."""
+    found = {}
+    for label, text in shortened(labels, 2 * LINE).items():
+        text = f"{key(run, label)} {text}".strip()
+        ends = [i + 1 for i, letter in enumerate(text) if letter in " +_…" and abs(i + 1 - len(text) / 2) < 6]
+        middle = min(ends, key=lambda end: abs(end - len(text) / 2), default=len(text) // 2)
+        found[label] = text if len(text) <= LINE else f"{text[:middle]}\n{text[middle:]}"
+    return found
 
 
 def shortened(names, most=22):

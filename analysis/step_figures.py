@@ -16,6 +16,7 @@ from analysis.drawing import (
     correlation,
     digits,
     full,
+    heads,
     label_ends,
     left_out,
     listed,
@@ -210,7 +211,7 @@ def curves_together(run, kind, key):
     """Per algorithm, time, hits and bodies over the steps, each by its own mean: do the curves have one form?"""
     steps = steps_of(run)
     drawn = chosen(run)
-    names = full(run, drawn)
+    names = heads(run, drawn)
     table = follows_table(steps)
     r = table["r, all bodies there"]
     fig, axes = panels(figure, len(drawn))
@@ -250,7 +251,7 @@ def time_against_hits(run, kind, key):
     """Per algorithm a dot per step; axes of its own, for hits and times differ a thousandfold between algorithms."""
     steps = steps_of(run)
     drawn = chosen(run)
-    names = full(run, drawn)
+    names = heads(run, drawn)
     table = follows_table(steps)
     if table["ns per hit"].isna().all():
         raise NotDrawn("no algorithm's hits and time vary")

@@ -168,6 +168,15 @@ def test_different_names_are_never_shortened_to_one(most):
     assert {name: text for name, text in texts.items() if len(name) <= most}.items() <= dict(zip(names, names)).items()
 
 
+def test_heads_of_panels_hold_whole_names_in_two_lines():
+    labels = ["obb_sat", "bounding_sphere+facet_rotations", "bounding_sphere+facet_triangles", "x" * 60]
+    run = made({label: [1, 1] for label in labels})
+    heads = drawing.heads(run, labels)
+    assert list(heads.values())[:3] == ["G obb_sat", "bounding_sphere+\nfacet_rotations",
+                                        "bounding_sphere+\nfacet_triangles"]  # fmt: skip
+    assert all(len(line) <= 24 for head in heads.values() for line in head.split("\n"))
+
+
 def test_names_that_need_more_room_to_differ_get_it():
     alike = ["a" * 20 + middle + "z" * 20 for middle in ("xoooy", "uooow")]
     assert max(map(len, drawing.shortened(alike, 10).values())) == 23  # 21 on one side to differ
