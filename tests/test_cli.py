@@ -1,6 +1,7 @@
 """The program as its users meet it: commands, exit codes, one-line errors, resuming."""
 import json
 import os
+import re
 import resource
 import shutil
 import signal
@@ -337,6 +338,46 @@ def test_wrong_grammar_is_code_2(arguments):
     run = pipeline(*arguments)
     assert run.returncode == USAGE
     assert run.stdout == "" and run.stderr != ""
+
+
+@pytest.mark.parametrize("arguments, command", [
+    ([], "pipeline"), (["run"], "pipeline run"), (["run", SMOKE, "--bogus"], "pipeline run"), (["--bogus"], "pipeline"),
+    (["run", SMOKE, "--threads", "many"], "pipeline run"), (["list", "cakes"], "pipeline list"), (["show"], "pipeline show"),
+    (["show", "a", "b"], "pipeline show"), (["verify", "a", "--all", "--pairs", "3"], "pipeline verify"),
+    (["score", "a", "--against", "b", "--tolerance", "2"], "pipeline score"), (["export", "a"], "pipeline export"),
+    (["detect"], "pipeline detect"), (["check", SMOKE, "run"], "pipeline check"),
+])
+def test_wrong_grammar_names_the_help_of_the_command_meant(arguments, command):
+    run = pipeline(*arguments)
+    assert run.returncode == USAGE and run.stderr.rstrip().endswith(f"; see {command} --help"), run.stderr
+
+
+def test_words_that_are_not_expected_are_named_in_their_order_with_the_rule():
+    run = pipeline("detect", "a.h5", "--algorithm", "aabb", "obb_sat", "obb_corners")
+    assert run.returncode == USAGE
+    assert one_line(run) == (
+        "obb_sat obb_corners: not expected here; --algorithm takes one value, and is repeated for more; "
+        "see pipeline detect --help"
+    )
+    run = pipeline("run", SMOKE, "--set", "steps=3", "rate=60")
+    assert one_line(run).startswith("rate=60: not expected here; --set takes one value, and is repeated for more; ")
+    assert one_line(pipeline("show", "a", "b", "c")) == "b c: not expected here; see pipeline show --help"
+    for command in ("run", "check", "detect"):
+        assert "..." not in re.sub(r"value,\.\.\.", "", pipeline(command, "--help").stdout), "one value, not several"
+
+
+def test_digests_of_groups_are_behind_an_option(smoke, tmp_path):
+    copy = tmp_path / "copy.h5"
+    shutil.copy(smoke, copy)
+    every = set(json.loads(pipeline("show", copy, "--json").stdout)["digests"])
+    assert {"/", "/motion", "/answers/obb_sat"} < every
+    for arguments in (["show", copy], ["detect", copy, "--force", "--quiet"],
+                      ["run", SMOKE, "--set", "steps=3", "-o", tmp_path / "x.h5", "--quiet"]):
+        run = pipeline(*arguments)
+        assert re.findall(r"^digest +\w{32}  (.*)$", run.stdout, re.M) == ["/"], run.stdout
+        assert "bounding_sphere" in run.stdout and run.stderr == ""  # --quiet leaves the result
+    for arguments in (["show", copy, "--digests"], ["detect", copy, "--force", "--digests"]):
+        assert set(re.findall(r"^digest +\w{32}  (.*)$", pipeline(*arguments).stdout, re.M)) == every
 
 
 def test_an_unknown_subcommand_is_named():
