@@ -39,7 +39,7 @@ class Uninstalled(Unfit):
 
 
 def add_command(commands):
-    """Adds the command `scene` to the subparsers of python3 -m analysis."""
+    """Adds the command `scene` to the subparsers of scripts/analysis."""
     command = commands.add_parser("scene", help="a page that shows the bodies of a step in 3D, wrong answers coloured")
     command.add_argument("file", help="a result")
     command.add_argument("--step", type=int, help="opens there; without it where the algorithm errs most")
