@@ -77,6 +77,8 @@ def place(named, sizes, region, marks, radii, segments):
             if free() < np.isnan(before[:, 0]).sum():
                 break
             put[:] = before
+    for label in order:  # what was pushed away may have left something better
+        settle(label)
     return put[:, :2], put[:, 4:]
 
 
@@ -95,6 +97,7 @@ def _spots(mark, extent, region, marks, radii, segments):
     bad |= tied & (passed | (length < SHORTEST))
     lines[~tied] = np.nan
     price = distance + 4 * tied + 6 * _crosses(boxes + CLEAR, segments).sum(axis=1)
+    price += 6 * _cut(lines, segments).sum(axis=1)
     return boxes[~bad], lines[~bad], price[~bad]
 
 
@@ -130,7 +133,8 @@ def _away(lines, points):
 
 def _overlap(a, b, gap):
     """(A,B): whether boxes come nearer than `gap`; never for NaN."""
-    return ((a[:, None, :2] < b[None, :, 2:] + gap) & (b[None, :, :2] - gap < a[:, None, 2:])).all(axis=2)
+    near = [(a[:, None, c] < b[None, :, c + 2] + gap) & (b[None, :, c] - gap < a[:, None, c + 2]) for c in (0, 1)]
+    return near[0] & near[1]
 
 
 def _cut(a, b):
@@ -147,11 +151,13 @@ def _cut(a, b):
 
 def _crosses(boxes, lines):
     """(A,B): whether a line (x0, y0, x1, y1) passes a box, by clipping; never for NaN."""
-    start, way = lines[None, :, :2], lines[None, :, 2:] - lines[None, :, :2]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        low, high = (boxes[:, None, :2] - start) / way, (boxes[:, None, 2:] - start) / way
+    enter, leave = 0, 1
+    for c in (0, 1):  # an axis at a time: numpy is slow along an axis of two
+        start, way = lines[None, :, c], lines[None, :, c + 2] - lines[None, :, c]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            low, high = (boxes[:, None, c] - start) / way, (boxes[:, None, c + 2] - start) / way
         still = way == 0
-        within = (start >= boxes[:, None, :2]) & (start <= boxes[:, None, 2:])
-        enter = np.where(still, np.where(within, -np.inf, np.inf), np.minimum(low, high)).max(axis=2)
-        leave = np.where(still, np.where(within, np.inf, -np.inf), np.maximum(low, high)).min(axis=2)
-    return (enter <= leave) & (enter <= 1) & (leave >= 0)
+        within = (start >= boxes[:, None, c]) & (start <= boxes[:, None, c + 2])
+        enter = np.maximum(enter, np.where(still, np.where(within, -np.inf, np.inf), np.minimum(low, high)))
+        leave = np.minimum(leave, np.where(still, np.where(within, np.inf, -np.inf), np.maximum(low, high)))
+    return enter <= leave

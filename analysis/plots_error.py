@@ -389,7 +389,7 @@ def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
         if not np.isnan(line).any():
             ends = to_figure.transform(line.reshape(2, 2))
             colour = style(points.algorithm[row])["color"]
-            fig.add_artist(Line2D(*ends.T, color=colour, linewidth=0.9, zorder=5))
+            fig.add_artist(Line2D(*ends.T, color=colour, linewidth=0.7, zorder=5))
     return nameless
 
 
