@@ -10,7 +10,6 @@ import html
 import json
 import pathlib
 
-import h5py
 import numpy as np
 
 from analysis.load import load
@@ -108,7 +107,7 @@ def step_page(path, step=None, label=None, window=None):
         if not first <= step < end:
             raise Unfit(f"--step {step}: is not among --steps {first}:{end}")
         size = _window_bytes(run, first, end)
-    with h5py.File(path) as file:
+    with run.opened() as file:
         size += sum(12 * (mesh["vertices"].shape[0] + mesh["triangles"].shape[0]) for mesh in file["meshes"].values())
     if size > MOST_BYTES:
         raise Unfit(f"{path}: meshes and steps {first}:{end} would make a page of {size / 2**20:.0f} MiB, at most "
@@ -123,7 +122,7 @@ def _colon(window):
 
 def _wrong_per_step(run):
     """label -> (false positives, false negatives) per step, as counted by the run."""
-    with h5py.File(run.path) as file:
+    with run.opened() as file:
         if "results" not in file:
             return {}
         counts = [file["results"][name][()] for name in ("false_positive", "false_negative")]
@@ -151,7 +150,7 @@ def _worst(wrong, steps):
 
 def _window_bytes(run, first, end):
     """Bytes of the window's poses and pairs before base64, seven floats a pose and at most four bytes a pair's end."""
-    with h5py.File(run.path) as file:
+    with run.opened() as file:
         pairs = int(np.diff(file["truth/pair_offset"][()][[first, end]].astype(np.int64))[0])
         for label in run.meta["algorithms"]:
             pairs += int(np.diff(file[f"answers/{label}/pair_offset"][()][[first, end]].astype(np.int64))[0])
@@ -160,7 +159,7 @@ def _window_bytes(run, first, end):
 
 def _page_data(run, first, end):
     """What viewer.js draws, in metres; positions and vertices are Float32 about centres taken off in doubles."""
-    with h5py.File(run.path) as file:
+    with run.opened() as file:
         position = file["motion/position"][first:end]
         orientation = file["motion/orientation"][first:end]
         truth = _pair_sets(file["truth"], first, end)

@@ -155,7 +155,7 @@ struct Config {
   std::optional<Study> study;             // then it has no scene and nothing of what follows but texts and notes
   const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
   std::variant<FallingScene, BoxScene, PlaygroundScene, ReplayScene, ExtremesScene> scene;  // of that kind
-  Physics physics;                                                           // only when the scene is integrated
+  Physics physics;  // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;
   std::optional<double> gap_margin;  // m; absent: distances are not asked for
@@ -174,9 +174,12 @@ struct Config {
 /// file:line:column (or the --set), the value, the rule and the nearest known key.
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets = {});
 
-/// Reads TOML text as if from `path`, and no file that it names. For tests and for configurations kept in result files.
+/// Reads TOML text as if from `path`, and no file that it names. For tests, and for recorded_config.
 Config parse_config(const std::string& text, const std::filesystem::path& path,
                     const std::vector<std::string>& sets = {});
+
+/// The configuration that a result file holds. Throws Error(kFile) naming the file.
+Config recorded_config(const std::string& effective, const std::string& file);
 
 /// An --algorithm argument, "NAME[:knob=value,...][@LABEL]", for a truth of that containment: what a knob `containment`
 /// follows when it is not given. Throws Error(kInput) naming the argument.

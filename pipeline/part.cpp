@@ -7,12 +7,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/error.hpp"
+#include "pipeline/foreign.hpp"
 
 namespace pipeline {
 namespace fs = std::filesystem;
@@ -69,6 +71,8 @@ void replace(const fs::path& folder, const std::string& name, std::initializer_l
   sync_folder(folder);
 }
 
+constexpr std::uint64_t kMostManifest = 64 << 10;  // bytes; a title has at most 1024 characters, all else is short
+
 std::optional<std::string> read_all(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) return std::nullopt;
@@ -78,9 +82,11 @@ std::optional<std::string> read_all(const fs::path& path) {
 }
 
 nlohmann::json manifest_of(const fs::path& folder) {
-  const auto text = read_all(folder / kManifest);
-  if (!text) return nullptr;
-  return nlohmann::json::parse(*text, nullptr, /*allow_exceptions=*/false);
+  std::error_code none;
+  if (!fs::exists(folder / kManifest, none)) return nullptr;
+  const std::string text = text_of_file(folder / kManifest, kMostManifest, "name an unfinished run of this program");
+  if (!is_shallow(text)) return nullptr;
+  return nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
 }
 
 std::string text_in(const nlohmann::json& manifest, const char* name) {
@@ -115,6 +121,25 @@ std::string chunk_name(const std::string& stage, std::int64_t step) {
   return stage + "-" + digits;
 }
 
+namespace {
+
+struct ChunkName {
+  std::string stage;
+  std::int64_t step;
+};
+
+/// What chunk_name made a name of.
+std::optional<ChunkName> chunk_of(const std::string& name) {
+  const std::size_t dash = name.find('-');
+  if (dash == std::string::npos) return std::nullopt;
+  ChunkName out{name.substr(0, dash), 0};
+  std::from_chars(name.data() + dash + 1, name.data() + name.size(), out.step);
+  if (out.step < 0 || chunk_name(out.stage, out.step) != name) return std::nullopt;
+  return out;
+}
+
+}  // namespace
+
 void ChunkReader::take(void* to, std::size_t size) {
   if (size > bytes_.size() - at_) throw std::logic_error("a chunk is shorter than what is read from it");
   if (size) std::memcpy(to, bytes_.data() + at_, size);
@@ -128,15 +153,21 @@ PartStatus part_status(const fs::path& folder) {
   if (status.steps < 1 || status.steps > kMostSteps)
     throw Error(kFile, folder.string() + ": is not an unfinished run of this program (no readable " + kManifest + ")");
   status.study = manifest.contains("study");
-  if (status.study) {
-    for (std::int64_t i = 0; i < status.steps; ++i) status.cases += fs::exists(folder / chunk_name("case", i));
-    return status;
-  }
-  for (std::int64_t step = 0; step < status.steps; step += kChunkSteps) {
-    const std::int64_t count = std::min(kChunkSteps, status.steps - step);
-    if (fs::exists(folder / chunk_name("motion", step))) status.motion_steps += count;
-    if (fs::exists(folder / chunk_name("truth", step))) status.truth_steps += count;
-    if (fs::exists(folder / chunk_name("answers", step))) status.answered_steps += count;
+  // What is there is counted, not what might be: a manifest can speak of millions.
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    const std::string name = entry.path().filename();
+    const auto chunk = chunk_of(name);
+    if (!chunk || chunk->step >= status.steps) continue;
+    if (status.study) {
+      status.cases += chunk->stage == "case";
+      continue;
+    }
+    if (chunk->step % kChunkSteps != 0) continue;
+    const std::int64_t count = std::min(kChunkSteps, status.steps - chunk->step);
+    if (chunk->stage == "motion") status.motion_steps += count;
+    if (chunk->stage == "truth") status.truth_steps += count;
+    if (chunk->stage == "answers") status.answered_steps += count;
   }
   return status;
 }
