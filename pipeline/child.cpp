@@ -119,8 +119,10 @@ std::string failure_of(const Child& child, int status, const rusage& used, const
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     // What it had, as it may have given itself less.
+    const auto seconds = [](const timeval& time) { return double(time.tv_sec) + double(time.tv_usec) * 1e-6; };
     if (signal == SIGXCPU)
-      return "more than " + real_text(double(used.ru_utime.tv_sec + used.ru_stime.tv_sec)) + " s of processor time";
+      return "more than " + real_text(std::round(seconds(used.ru_utime) + seconds(used.ru_stime))) +
+             " s of processor time";
     return (signal == SIGABRT ? "aborted" : "crashed by signal " + std::to_string(signal)) +
            (said.empty() ? "" : ": " + said);
   }

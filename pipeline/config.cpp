@@ -260,7 +260,7 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
 
 Config recorded_config(const std::string& effective, const std::string& file) {
   try {
-    return parse_config(effective, file + ":/config@effective");
+    return parse_config(effective, file + ": /config@effective");
   } catch (const Error& error) {
     throw Error(kFile, error.what());  // nobody wrote it: it is part of the file
   }

@@ -522,7 +522,7 @@ Read read_checked(const InputFile& file, const std::string& place, Seal seal, bo
 constexpr std::uint64_t kFreeMemory = 256 << 20, kMemoryPerByte = 16, kMemoryPerValueByte = 6;
 // A processor ten times slower than today's inflates and digests so many bytes per second.
 constexpr std::uint64_t kSlowBytes = 4 << 20, kSlowValueBytes = 20 << 20;
-constexpr std::uint64_t kFreeSeconds = 5;
+constexpr std::uint64_t kFreeSeconds = 2;
 
 /// Ends this process's own greed: memory at once, by failing allocations; time by SIGXCPU.
 class Greed {
