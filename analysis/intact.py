@@ -75,7 +75,8 @@ def checked(path, look, unsealed=False):
     with _regular(path) as descriptor:
         mark = _mark(descriptor)
         seal = _seal(descriptor)
-    remedy = "copy it again or run again; load(path, unsealed=True) reads it, with times and attributes unvouched for"
+    remedy = ("copy it again or run again; --unsealed, or load(path, unsealed=True), reads it, with times and attributes "
+              "unvouched for")  # fmt: skip
     if seal == "unknown" and not unsealed:
         raise OSError(f"{path}: has a seal of a form that this module does not know; use a newer one or {remedy}")
     if seal == "differs" and not unsealed:
@@ -168,17 +169,17 @@ def check_content(file, allow=lambda size: None):
     """
     if "meshes" in file and len(file["meshes"]) > len(file["body"]):
         raise ValueError(f"/meshes: has {len(file['meshes'])} entries, at most {len(file['body'])} make sense")
-    for path in ["/", "/config", "/time", "/run", *(path for path, _ in _groups(file))]:
+    for path in ("/config", "/time", "/run"):
         if path in file:
             check_attributes(path, file[path].attrs)
     steps, labels = (file[name].shape[0] if name in file else 0 for name in ("step", "algorithm"))
     shapes = {"results": (steps, labels), "summary": (labels,), "physics": (steps,)}
     digests, others, stored = {}, [], 0
-    for path, names in [("/", [name for name in ROOT if name in file]), *_groups(file)]:
+    for path, group in _groups(file):
+        check_attributes(path, group.attrs)
         mine = []
-        for name in names:
-            dataset = file[path][name]
-            if not isinstance(dataset, h5py.Dataset):
+        for name, dataset in group.items():
+            if not isinstance(dataset, h5py.Dataset) or path == "/" and name not in ROOT:
                 continue
             full = path.rstrip("/") + "/" + name
             if name.endswith("_ns") and dataset.dtype.kind not in "iuf":
@@ -211,17 +212,18 @@ def check_content(file, allow=lambda size: None):
 
 
 def _groups(file):
-    """(path, names in it) of every group that the program writes, but the root."""
+    """(path, group) of every group that the program writes."""
+    yield "/", file
     for name in GROUPS:
         if name in file:
             group = file[name]
             if not isinstance(group, h5py.Group):
                 raise ValueError(f"/{name}: is no group")
-            yield f"/{name}", list(group)
+            yield f"/{name}", group
             if name in ("meshes", "answers"):
-                for part in group:
-                    if isinstance(group[part], h5py.Group):
-                        yield f"/{name}/{part}", list(group[part])
+                for part, inner in group.items():
+                    if isinstance(inner, h5py.Group):
+                        yield f"/{name}/{part}", inner
 
 
 def check_attributes(path, attributes):

@@ -1,6 +1,12 @@
-"""A page on the disk: whole or not at all, and only in place of another page."""
+"""What leaves the program: text for a terminal, and a page on the disk: whole or not at all, and only in place of
+another page."""
 
 import os
+
+
+def visible(text):
+    """`text` fit for a terminal: control characters but line ends become '?'. Texts of files may hold commands for it."""
+    return "".join("?" if c != "\n" and (ord(c) < 32 or 127 <= ord(c) < 160) else c for c in text)
 
 
 def refuse(path):

@@ -68,7 +68,7 @@ def write_page(chosen):
     if chosen.output:
         refuse(chosen.output)  # before the work
     try:
-        page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps)
+        page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps, chosen.unsealed)
     except (OSError, KeyError, ValueError, RuntimeError) as error:  # h5py does not name the file
         text = str(error.args[0] if error.args else error)
         raise OSError(text if text.startswith(chosen.file) else f"{chosen.file}: is damaged ({text})") from error
@@ -77,14 +77,14 @@ def write_page(chosen):
     return path
 
 
-def step_page(path, step=None, label=None, window=None):
+def step_page(path, step=None, label=None, window=None, unsealed=False):
     """The page as text, and the step that it opens at.
 
     step: None for the step at which the algorithm has the most wrong answers; label: None for the first algorithm;
     window: slice of steps, None for AROUND on either side of step. Raises OSError or ValueError when the file is not a
     result, Unfit when a value does not fit it, Uninstalled when three.js is not there.
     """
-    run = load(path)
+    run = load(path, unsealed)
     steps, labels = run.meta["steps"], run.meta["algorithms"]
     if not steps or not run.meta["bodies"]:
         raise Unfit(f"{path}: has no {'bodies' if steps else 'steps'}; there is nothing to show")

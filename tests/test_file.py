@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from editing import datasets, digests_of, edited, is_scale, objects
+from editing import datasets, digests_of, edited, is_scale, objects, sealed
 
 from analysis.load import load
 
@@ -311,3 +311,17 @@ def test_load_refuses_the_files_of_others(tmp_path):
         other["data"] = [1, 2, 3]
     with pytest.raises(ValueError, match="not a result"):
         load(tmp_path / "other.h5")
+
+
+# The seal, which other readers do not see (pipeline/seal.hpp).
+
+
+def test_the_last_line_is_the_checksum_of_all_before_it(result_file):
+    content = result_file.read_bytes()
+    assert sealed(content) == content
+    assert content.splitlines()[-1].startswith(b"collision benchmark result, seal 1: XXH3-128 ")
+
+
+def test_xarray_finds_its_engine_in_a_sealed_file(result_file):
+    with xarray.open_dataset(result_file, group="summary") as opened:
+        assert "error" in opened
