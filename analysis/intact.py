@@ -43,6 +43,7 @@ NUMBERS = {"schema_version", "rate", "wall_time_s", "gap_margin", "quaternion_dr
 OBJECTS = {"library_versions", "inputs_sha256", "knobs"}  # JSON
 
 MOST_INFLATION = 1032  # bytes that deflate makes of one
+MOST_STEPS = 10_000_000  # no configuration can ask for more
 MOST_DEPTH = 30  # of groups; ours: /meshes/<name>/vertices
 # What reading an honest file may take, with a processor ten times slower than today's.
 FREE_MEMORY, MEMORY_PER_BYTE, MEMORY_PER_VALUE_BYTE = 256 << 20, 16, 6
@@ -167,6 +168,8 @@ def check_content(file, allow=lambda size: None):
 
     allow: hears of the bytes of a dataset before they are read.
     """
+    if "step" in file and file["step"].size > MOST_STEPS:
+        raise ValueError(f"/step: has {file['step'].size} entries, at most {MOST_STEPS} make sense")
     if "meshes" in file and len(file["meshes"]) > len(file["body"]):
         raise ValueError(f"/meshes: has {len(file['meshes'])} entries, at most {len(file['body'])} make sense")
     for path in ("/config", "/time", "/run"):

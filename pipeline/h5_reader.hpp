@@ -54,6 +54,18 @@ class Reader {
     return h5::read_attribute<T>(file_, object, name);
   }
 
+  /// The size of a dataset of one dimension, at most `most`; nothing of it is read.
+  std::uint64_t size(const std::string& path, std::uint64_t most) const {
+    const h5::Dataset dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "open " + path);
+    const h5::Space space(H5Dget_space(dataset.id()), "shape " + path);
+    const bool one = h5::check(H5Sget_simple_extent_ndims(space.id()), "shape " + path) == 1;
+    const hssize_t entries = h5::check(H5Sget_simple_extent_npoints(space.id()), "count " + path);
+    if (!one || static_cast<std::uint64_t>(entries) > most)
+      throw h5::Failure(path + ": has " + std::to_string(entries) + " entries, at most " + std::to_string(most) +
+                        " make sense");
+    return static_cast<std::uint64_t>(entries);
+  }
+
   /// Values of `type`, which T must match or be made of.
   template <typename T>
   std::vector<T> values(const std::string& path, Type type, const Shape& expected) const {

@@ -199,6 +199,9 @@ std::vector<std::byte> image(const std::vector<Group>& groups, const std::map<st
 
 // ---- reading ----
 
+// No configuration can ask for more.
+constexpr std::uint64_t kMostSteps = 10'000'000, kMostBodies = 1'000'000;
+
 /// A name that is part of a path within the file.
 void check_name(const std::string& place, const std::string& name) {
   if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos)
@@ -247,8 +250,8 @@ geometry::Mesh read_mesh(const Reader& from, const std::string& name) {
 
 geometry::Bodies read_bodies(const Reader& from) {
   geometry::Bodies bodies;
-  bodies.name = from.texts("/body", {kAny});
-  const std::uint64_t count = bodies.name.size();
+  const std::uint64_t count = from.size("/body", kMostBodies);
+  bodies.name = from.texts("/body", {count});
   std::map<std::string, std::uint32_t> number;
   for (const std::string& name : from.names_in("/meshes", count)) {
     number.emplace(name, static_cast<std::uint32_t>(bodies.meshes.size()));
@@ -393,7 +396,7 @@ Result read_all(const Reader& from) {
   result.digest = from.attribute<std::string>("/", "digest");
   if (from.has("/study")) return result.study = read_study(from), result;
   result.rate = from.attribute<double>("/time", "rate");
-  const std::uint64_t steps = from.values<std::int64_t>("/step", {kAny}).size();
+  const std::uint64_t steps = from.size("/step", kMostSteps);
   result.bodies = read_bodies(from);
   const std::uint64_t bodies = result.bodies.size();
   result.first_step = from.values<std::int64_t>("/bodies/first_step", {bodies});

@@ -584,12 +584,24 @@ TEST_F(Store, TakesNoMemoryForWhatIsNotStored) {
   Result result = synthetic_result();
   write_result(result, file());
   change(file(), [](hid_t opened) {
+    const h5::Dataset pair(H5Dopen2(opened, "/answers/method_1/pair", H5P_DEFAULT), "open");
+    const hsize_t size[] = {hsize_t{1} << 29, 2};
+    h5::check(H5Dset_extent(pair.id(), size), "grow");
+  });
+  const std::string line = reading_fails(file());
+  EXPECT_NE(line.find("/answers/method_1/pair: of 1073741824 values only "), std::string::npos) << line;
+}
+
+TEST_F(Store, RefusesMoreStepsThanAConfigurationMayAskFor) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  change(file(), [](hid_t opened) {
     const h5::Dataset step(H5Dopen2(opened, "/step", H5P_DEFAULT), "open");
     const hsize_t size = hsize_t{1} << 29;
     h5::check(H5Dset_extent(step.id(), &size), "grow");
   });
   const std::string line = reading_fails(file());
-  EXPECT_NE(line.find("/step: of 536870912 values only "), std::string::npos) << line;
+  EXPECT_NE(line.find("/step: has 536870912 entries, at most 10000000 make sense"), std::string::npos) << line;
 }
 
 TEST_F(Store, RefusesMoreMeshesThanBodies) {

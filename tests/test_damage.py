@@ -166,7 +166,8 @@ def test_values_elsewhere_are_not_read(hostile, tmp_path):
 
 def test_a_size_without_storage_takes_no_memory(hostile):
     """2^29 steps in a file of 170 KB took 4.1 GB."""
-    refused(hostile(lambda file: file["step"].resize((2**29,))), "/step: ", "only", "bytes are stored")
+    refused(hostile(lambda file: file["step"].resize((2**29,))), "/step: has 536870912 entries, at most 10000000")
+    refused(hostile(lambda file: file["truth/pair"].resize((2**29, 2))), "/truth/pair: ", "bytes are stored")
 
 
 def test_a_hundred_thousand_meshes_are_refused_by_their_number(hostile):
