@@ -105,13 +105,13 @@ def checked(path, look, unsealed=False):
 @contextlib.contextmanager
 def _regular(path):
     """A descriptor of the regular file at `path`."""
-    status = os.stat(path)
-    if not stat.S_ISREG(status.st_mode):  # opening a device may do something
-        raise OSError(f"{path}: is not a regular file")
     try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
+        regular = stat.S_ISREG(os.stat(path).st_mode)  # opening a device may do something
+        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY) if regular else -1
     except OSError as error:
         raise OSError(f"{path}: cannot be read ({error.strerror})") from error
+    if not regular:
+        raise OSError(f"{path}: is not a regular file")
     try:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):
             raise OSError(f"{path}: is not a regular file")
@@ -296,7 +296,12 @@ def _tried(path, mark, whole):
     """Runs whole(file, allow) in a child process. Raises what it raised, or OSError when the child did not end well."""
     ours, theirs = os.pipe()
     parent = os.getpid()
-    child = os.fork()
+    try:
+        child = os.fork()
+    except OSError as error:
+        os.close(ours)
+        os.close(theirs)
+        raise OSError(f"{path}: cannot be tried in a child process ({error.strerror})") from error
     if child == 0:
         _be_child(path, mark, whole, theirs, parent)
     os.close(theirs)

@@ -52,7 +52,7 @@ Seal seal_of(const InputFile& file, const std::filesystem::path& path) {
   static const std::size_t kLength = line(Digest(), 0).size();
   if (file.size() < kLength) return Seal::none;
   const std::uint64_t sealed = file.size() - kLength;
-  std::vector<std::byte> block(kBlock);
+  std::vector<std::byte> block(std::clamp<std::uint64_t>(sealed, kLength, kBlock));
   std::span<std::byte> end = std::span(block).first(kLength);
   read_at(file, path, sealed, end);
   const std::string found(reinterpret_cast<const char*>(end.data()), end.size());
@@ -61,7 +61,7 @@ Seal seal_of(const InputFile& file, const std::filesystem::path& path) {
 
   Digest digest;
   for (std::uint64_t at = 0; at < sealed;) {
-    std::span<std::byte> part = std::span(block).first(std::min<std::uint64_t>(kBlock, sealed - at));
+    std::span<std::byte> part = std::span(block).first(std::min<std::uint64_t>(block.size(), sealed - at));
     read_at(file, path, at, part);
     if (part.empty()) return Seal::differs;  // cut off meanwhile
     digest.add(part);
