@@ -22,14 +22,14 @@ def main(arguments=None):
     commands = parser.add_subparsers(dest="command", required=True)
     command = commands.add_parser("statements", help="judge the thesis's statements on results")
     command.add_argument("file", nargs="+", help="results of the box, falling and playground scenes, one of each")
-    command.set_defaults(act=lambda chosen: print(visible(table(verdicts(opened(chosen.file, chosen.unsealed))))))
+    command.set_defaults(act=lambda chosen: say(table(verdicts(opened(chosen.file, chosen.unsealed)))))
     command = commands.add_parser("report", help="one HTML page of figures and tables, which needs no network")
     command.add_argument("file", nargs="+", help="results; those of one motion and truth are drawn together")
     command.add_argument("-o", "--output", default="report.html", help="the page (default: report.html)")
     command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output, chosen.unsealed))
     command = commands.add_parser("study", help="orders, stability and recommendation of a study; drift of a long run")
     command.add_argument("file", help="result of a study of integrators, or of an integrated scene")
-    command.set_defaults(act=lambda chosen: print(visible(studied(chosen.file, chosen.unsealed))))
+    command.set_defaults(act=lambda chosen: say(studied(chosen.file, chosen.unsealed)))
     viewer.add_command(commands)
     for command in commands.choices.values():
         command.add_argument("--unsealed", action="store_true", help="read results although they were changed since they "
@@ -47,6 +47,10 @@ def main(arguments=None):
         complain(error.args[0] if isinstance(error, KeyError) and error.args else error)
         return 4
     return 0
+
+
+def say(text):
+    print(visible(text))
 
 
 def complain(text):

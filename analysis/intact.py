@@ -69,15 +69,14 @@ def opened(path, mark):
 def checked(path, look, unsealed=False):
     """What `look(file)` gives of the result at `path` once all of it was checked, and its mark for opened().
 
-    look: gets an open h5py.File; it is called in the child process first, and refuses what is no result. Raises OSError or ValueError, one
-    line that starts with the path. A seal that is missing or does not hold is refused; with `unsealed` the file is read
-    all the same and Unvouched is warned, as it is of results from before there were seals.
+    look: gets an open h5py.File; it is called in the child process first, and refuses what is no result. Raises OSError
+    or ValueError, one line that starts with the path. A seal that is missing or does not hold is refused; with
+    `unsealed` the file is read all the same and Unvouched is warned, as of results from before there were seals.
     """
     with _regular(path) as descriptor:
         mark = _mark(descriptor)
         seal = _seal(descriptor)
-    remedy = ("copy it again or run again; --unsealed, or load(path, unsealed=True), reads it, with times and attributes "
-              "unvouched for")  # fmt: skip
+    remedy = "copy it again, run again, or read it by --unsealed or load(path, unsealed=True), its times unvouched for"
     if seal == "unknown" and not unsealed:
         raise OSError(f"{path}: has a seal of a form that this module does not know; use a newer one or {remedy}")
     if seal == "differs" and not unsealed:
@@ -327,7 +326,8 @@ def _tried(path, mark, whole):
         raise (OSError if kind == "OSError" else ValueError)(text)
     crashed = os.WIFSIGNALED(status)
     number = os.WTERMSIG(status) if crashed else 0
-    why = "took too long" if late or number == signal.SIGXCPU else f"crashed by signal {number}" if crashed else "failed"
+    ending = f"crashed by signal {number}" if crashed else "failed"
+    why = "took too long" if late or number == signal.SIGXCPU else ending
     raise OSError(f"{path}: is damaged (a trial of reading it {why}); copy it again")
 
 

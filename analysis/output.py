@@ -5,7 +5,7 @@ import os
 
 
 def visible(text):
-    """`text` fit for a terminal: control characters but line ends become '?'. Texts of files may hold commands for it."""
+    """`text` fit for a terminal: control characters but line ends become '?'. Texts of files may be commands to it."""
     return "".join("?" if c != "\n" and (ord(c) < 32 or 127 <= ord(c) < 160) else c for c in text)
 
 

@@ -138,7 +138,7 @@ std::optional<Json> read_baseline(const std::filesystem::path& path, bool may_mi
   }
   constexpr std::uint64_t kMostBytes = 16 << 20;  // ours have 500 bytes a label
   const std::string text = text_of_file(path, kMostBytes, kRemedy);
-  if (!is_shallow(text)) throw bad(place, "is nested too deep");
+  if (!is_shallow(text)) throw bad(place, "is JSON nested too deep");
   const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded()) throw bad(place, "is not JSON");
   check(json, place);

@@ -2,8 +2,8 @@
 
 usage: damage.py [--seed N] [--flips N] [--resealed N] [FILE]      long form of tests/test_damage.py; prints a table
 
-Bits are flipped, blocks of 4 KiB zeroed, ends cut off, as a disk does; then the same again with the seal renewed, as only
-somebody does who wants to, so that the library meets the damage and the child process and the digests must find it.
+Bits are flipped, blocks of 4 KiB zeroed, ends cut off, as a disk does; then the same with the seal renewed, as only
+somebody does who means to, so that the library meets the damage and the child process and the digests must find it.
 Without a seal that holds the answer is always code 4. With one, code 4, or what the digests cover as it was: times and
 attributes are then whatever he wrote.
 """
@@ -44,7 +44,7 @@ def cut(content, random):
 
 
 def cases(content, seed, flips, resealed, every=1):
-    """(what, content, whether its seal holds); of the resealed blocks every so manieth."""
+    """(what, content, whether its seal holds); `every`: of the resealed blocks one in so many."""
     generator = random.Random(seed)
     hdf5 = content[: content.rindex(MAGIC)]
     for _ in range(flips):

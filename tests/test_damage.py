@@ -80,8 +80,8 @@ def test_times_attributes_and_configuration_are_under_the_seal(tmp_path):
         with h5py.File(path, "r+") as file:
             change(file)
         refused(str(path), "was changed or damaged since it was written")
-        for command in (["verify", path], ["detect", path], ["score", path, "--against", tmp_path / "b.json", "--write"],
-                        ["export", path, "--vtk", tmp_path / "vtk"]):  # fmt: skip
+        score = ["score", path, "--against", tmp_path / "b.json", "--write"]
+        for command in (["verify", path], ["detect", path], score, ["export", path, "--vtk", tmp_path / "vtk"]):
             run = pipeline(*command)
             assert run.returncode == FILE and "--unsealed" in one_line(run), (name, command)
     assert not (tmp_path / "b.json").exists() and not (tmp_path / "vtk").exists()
