@@ -1,4 +1,5 @@
-"""A page on the disk: whole or not at all, and only in place of another page."""
+"""What leaves the program: text for a terminal, and a page on the disk: whole or not at all, and only in place of
+another page."""
 
 import os
 import secrets
@@ -24,6 +25,11 @@ def say(text):
     except OSError as error:
         sys.stdout = None  # or the interpreter tries again at its end
         raise OSError(f"stdout: cannot be written ({error.strerror})") from error
+
+
+def visible(text):
+    """`text` fit for a terminal: control characters but line ends become '?'. Texts of files may be commands to it."""
+    return "".join("?" if c != "\n" and (ord(c) < 32 or 127 <= ord(c) < 160) else c for c in text)
 
 
 def refuse(path):

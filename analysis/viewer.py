@@ -10,7 +10,6 @@ import html
 import json
 import pathlib
 
-import h5py
 import numpy as np
 
 from analysis.load import load
@@ -69,7 +68,7 @@ def write_page(chosen):
     if chosen.output:
         refuse(chosen.output)  # before the work
     try:
-        page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps)
+        page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps, chosen.unsealed)
     except (OSError, KeyError, ValueError, RuntimeError) as error:  # h5py does not name the file
         text = str(error.args[0] if error.args else error)
         raise OSError(text if text.startswith(chosen.file) else f"{chosen.file}: is damaged ({text})") from error
@@ -78,14 +77,14 @@ def write_page(chosen):
     return path
 
 
-def step_page(path, step=None, label=None, window=None):
+def step_page(path, step=None, label=None, window=None, unsealed=False):
     """The page as text, and the step that it opens at.
 
     step: None for the step at which the algorithm has the most wrong answers; label: None for the first algorithm;
     window: slice of steps, None for AROUND on either side of step. Raises OSError or ValueError when the file is not a
     result, Unfit when a value does not fit it, Uninstalled when three.js is not there.
     """
-    run = load(path)
+    run = load(path, unsealed)
     steps, labels = run.meta["steps"], run.meta["algorithms"]
     if not steps or not run.meta["bodies"]:
         raise Unfit(f"{path}: has no {'bodies' if steps else 'steps'}; there is nothing to show")
@@ -108,7 +107,7 @@ def step_page(path, step=None, label=None, window=None):
         if not first <= step < end:
             raise Unfit(f"--step {step}: is not among --steps {first}:{end}")
         size = _window_bytes(run, first, end)
-    with h5py.File(path) as file:
+    with run.opened() as file:
         size += sum(12 * (mesh["vertices"].shape[0] + mesh["triangles"].shape[0]) for mesh in file["meshes"].values())
     if size > MOST_BYTES:
         raise Unfit(f"{path}: meshes and steps {first}:{end} would make a page of {size / 2**20:.0f} MiB, at most "
@@ -123,7 +122,7 @@ def _colon(window):
 
 def _wrong_per_step(run):
     """label -> (false positives, false negatives) per step, as counted by the run."""
-    with h5py.File(run.path) as file:
+    with run.opened() as file:
         if "results" not in file:
             return {}
         counts = [file["results"][name][()] for name in ("false_positive", "false_negative")]
@@ -151,7 +150,7 @@ def _worst(wrong, steps):
 
 def _window_bytes(run, first, end):
     """Bytes of the window's poses and pairs before base64, seven floats a pose and at most four bytes a pair's end."""
-    with h5py.File(run.path) as file:
+    with run.opened() as file:
         pairs = int(np.diff(file["truth/pair_offset"][()][[first, end]].astype(np.int64))[0])
         for label in run.meta["algorithms"]:
             pairs += int(np.diff(file[f"answers/{label}/pair_offset"][()][[first, end]].astype(np.int64))[0])
@@ -161,7 +160,7 @@ def _window_bytes(run, first, end):
 def _page_data(run, first, end):
     """What viewer.js draws: positions and vertices are Float32, in units of `unit` metres about centres taken off in
     doubles. A mesh's centre and the scene's are in metres."""
-    with h5py.File(run.path) as file:
+    with run.opened() as file:
         position = file["motion/position"][first:end]
         orientation = file["motion/orientation"][first:end]
         truth = _pair_sets(file["truth"], first, end)

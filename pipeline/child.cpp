@@ -111,14 +111,18 @@ void take(Descriptor& file, std::string& into, std::size_t most) {
   if (into.size() > most) into.erase(0, into.size() - most);
 }
 
-std::string failure_of(const Child& child, int status, const ChildLimits& limits) {
+std::string failure_of(const Child& child, int status, const rusage& used, const ChildLimits& limits) {
   std::string said = child.words;
   while (!said.empty() && said.back() == '\n') said.pop_back();
   said = one_line(said, kMostSaid);
   if (child.late) return "more than " + real_text(limits.wall_seconds) + " s of wall time";
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    if (signal == SIGXCPU) return "more than " + real_text(limits.processor_seconds) + " s of processor time";
+    // What it had, as it may have given itself less.
+    const auto seconds = [](const timeval& time) { return double(time.tv_sec) + double(time.tv_usec) * 1e-6; };
+    if (signal == SIGXCPU)
+      return "more than " + real_text(std::round(seconds(used.ru_utime) + seconds(used.ru_stime))) +
+             " s of processor time";
     return (signal == SIGABRT ? "aborted" : "crashed by signal " + std::to_string(signal)) +
            (said.empty() ? "" : ": " + said);
   }
@@ -174,10 +178,11 @@ void in_children(std::size_t count, int processes, const ChildLimits& limits,
       Child child = std::move(running[i]);
       running.erase(running.begin() + static_cast<std::ptrdiff_t>(i));
       int status = 0;
-      while (waitpid(child.pid, &status, 0) < 0 && errno == EINTR) continue;
+      rusage used = {};
+      while (wait4(child.pid, &status, 0, &used) < 0 && errno == EINTR) continue;
       const bool whole = WIFEXITED(status) && WEXITSTATUS(status) == 0 && child.bytes.ends_with(kWhole);
       if (whole) child.bytes.pop_back();
-      done(child.job, whole ? child.bytes : "", whole ? "" : failure_of(child, status, limits));
+      done(child.job, whole ? child.bytes : "", whole ? "" : failure_of(child, status, used, limits));
     }
   }
 }

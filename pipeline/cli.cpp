@@ -32,6 +32,7 @@
 namespace pipeline {
 namespace {
 
+constexpr std::size_t kMostLine = 1 << 16;  // characters of a message
 constexpr char kQuiet[] = "No progress on stderr; the result is printed all the same";
 constexpr char kDigests[] = "Print the digest of every group and label, not of the whole alone (--json has them all)";
 
@@ -40,15 +41,17 @@ void on_signal(int signal) {
   std::signal(signal, SIG_DFL);  // a second one ends the program at once; the part stays resumable
 }
 
-/// Results are lost when stdout is: a full disk behind a redirection must not look like success.
-void put(const std::string& text) {
+/// Results are lost when stdout is: a full disk behind a redirection must not look like success. Texts of files of
+/// others reach no terminal but through here.
+void put(const std::string& raw) {
+  const std::string text = visible(raw);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0 ||
       std::ferror(stdout))
     throw Error(kFile, std::string("stdout: cannot be written (") + std::strerror(errno) + ")");
 }
 
 void warn(const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) std::fprintf(stderr, "warning: %s\n", line.c_str());
+  for (const std::string& line : lines) std::fprintf(stderr, "warning: %s\n", one_line(line, kMostLine).c_str());
 }
 
 /// What is wrong with the words of the command line, and whose help tells more: of the last command that they name.
@@ -74,7 +77,7 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
 int finish(const Result& result, const std::string& path, bool json, bool digests) {
   put(json ? result_json(result, path) : result_text(result, digests) + "\n" + path + "\n");
   const std::vector<std::string> bad = failures(result);
-  for (const std::string& line : bad) std::fprintf(stderr, "%s: %s\n", path.c_str(), line.c_str());
+  for (const std::string& line : bad) std::fprintf(stderr, "%s\n", one_line(path + ": " + line, kMostLine).c_str());
   return bad.empty() ? kDone : kFailed;
 }
 
@@ -85,9 +88,9 @@ void refuse_part(const std::string& file) {
 }
 
 /// A result for commands that need a whole one of a scene; a study of integrators has nothing to judge.
-Result whole_result(const std::string& file) {
+Result whole_result(const std::string& file, bool unsealed) {
   refuse_part(file);
-  Result result = read_result(file);
+  Result result = read_result(file, unsealed);
   if (result.study)
     throw Error(kFile, file + ": is a study of the integrators, without poses and answers; name a result of a scene");
   return result;
@@ -96,23 +99,24 @@ Result whole_result(const std::string& file) {
 struct VerifyOptions {
   std::string steps = ":";
   std::uint64_t pairs = 10'000;
-  bool all = false;
+  bool all = false, unsealed = false;
 };
 
 int verify_file(const std::string& file, const VerifyOptions& options, int threads, bool quiet, bool json) {
   check_step_range(options.steps);
-  const Result result = whole_result(file);
+  const Result result = whole_result(file, options.unsealed);
   const StepRange steps = step_range(options.steps, result.steps(), file);
   const Verified verified =
       verify(result, steps, options.all ? std::nullopt : std::optional(options.pairs), thread_count(threads), quiet);
   put(json ? verified_json(verified, result, file) : verified_text(verified, result));
   if (!verified.difference) return kDone;
-  std::fprintf(stderr, "%s\n", one_line(file + ": " + difference_text(verified, result), 1 << 16).c_str());
+  std::fprintf(stderr, "%s\n", one_line(file + ": " + difference_text(verified, result), kMostLine).c_str());
   return kFailed;
 }
 
-int score_file(const std::string& file, const std::string& baseline, const ScoreOptions& options, bool json) {
-  const Score scored = score(whole_result(file), baseline, options);
+int score_file(const std::string& file, const std::string& baseline, const ScoreOptions& options, bool json,
+               bool unsealed) {
+  const Score scored = score(whole_result(file, unsealed), baseline, options);
   put(json ? score_json(scored, file, baseline) : score_text(scored, baseline));
   if (options.write || scored.same()) return kDone;
   std::fprintf(stderr, "%s: differs from %s; if that is meant, record it with --write\n", file.c_str(),
@@ -216,6 +220,9 @@ int dispatch(int argc, const char* const* argv) {
   export_command->add_option("--steps", steps, "A:B, from step A up to, not including, B; all by default");
   export_command->add_flag("--force", vtk.force, "Replace an earlier export in the folder");
   export_command->add_flag("--quiet", vtk.quiet, "No progress on stderr; the index's path is printed alone");
+  for (CLI::App* command : {show_command, detect_command, verify_command, score_command, export_command})
+    command->add_flag("--unsealed", options.unsealed,
+                      "Read FILE although it was changed since it was written, as by own datasets; digests still hold");
 
   try {
     app.parse(argc, argv);
@@ -237,7 +244,7 @@ int dispatch(int argc, const char* const* argv) {
     if (!(tolerance >= 1)) throw Error(kUsage, "--tolerance: must be a factor of at least 1");  // Range lets nan pass
     score_options.tolerance = tolerance;
   }
-  if (*score_command) return score_file(file, baseline, score_options, json);
+  if (*score_command) return score_file(file, baseline, score_options, json, options.unsealed);
   if (*list_command) {
     put(json ? list_json(what) : list_text(what));
     return kDone;
@@ -258,9 +265,7 @@ int dispatch(int argc, const char* const* argv) {
       const PartStatus status = part_status(file);
       put(json ? part_json(status, file) : part_text(status, file));
     } else {
-      if (std::error_code none; std::filesystem::exists(file, none) && !std::filesystem::is_regular_file(file, none))
-        throw Error(kFile, file + ": is neither a file nor a folder");
-      const Result result = read_result(file);
+      const Result result = read_result(file, options.unsealed);
       put(json ? result_json(result, file) : result_text(result, digests));
     }
     return kDone;
@@ -271,11 +276,12 @@ int dispatch(int argc, const char* const* argv) {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is told by write, like a full disk
+  verify_options.unsealed = options.unsealed;
   if (*verify_command) return verify_file(file, verify_options, options.threads, options.quiet, json);
   if (*export_command) {
     if (vtk_folder.empty()) throw Error(kUsage, "--vtk: must name a folder, not nothing");
     check_step_range(steps);
-    const Result result = whole_result(file);
+    const Result result = whole_result(file, options.unsealed);
     vtk.folder = vtk_folder;
     vtk.name = export_name(file);
     vtk.steps = step_range(steps, result.steps(), file);
@@ -300,13 +306,13 @@ int command_line(int argc, const char* const* argv) {
   try {
     return dispatch(argc, argv);
   } catch (const Error& error) {
-    std::fprintf(stderr, "%s\n", one_line(error.what(), 1 << 16).c_str());
+    std::fprintf(stderr, "%s\n", one_line(error.what(), kMostLine).c_str());
     return error.code();
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "out of memory: fewer steps, bodies or segments make a run smaller\n");
     return kInput;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "the program failed: %s\n", one_line(error.what(), 1 << 16).c_str());
+    std::fprintf(stderr, "the program failed: %s\n", one_line(error.what(), kMostLine).c_str());
     return kFailed;
   }
 }

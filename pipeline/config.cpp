@@ -260,6 +260,14 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   return config;
 }
 
+Config recorded_config(const std::string& effective, const std::string& file) {
+  try {
+    return parse_config(effective, file + ": /config@effective");
+  } catch (const Error& error) {
+    throw Error(kFile, error.what());  // nobody wrote it: it is part of the file
+  }
+}
+
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets) {
   Config config = parse_config(bytes_of(path), path, sets);
   if (config.scene_kind) refuse_idle_seed(config);

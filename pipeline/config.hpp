@@ -179,9 +179,12 @@ struct Config {
 /// --set), the value, the rule and the nearest known key.
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets = {});
 
-/// Reads TOML text as if from `path`, and no file that it names. For tests and for configurations kept in result files.
+/// Reads TOML text as if from `path`, and no file that it names. For tests, and for recorded_config.
 Config parse_config(const std::string& text, const std::filesystem::path& path,
                     const std::vector<std::string>& sets = {});
+
+/// The configuration that a result file holds. Throws Error(kFile) naming the file.
+Config recorded_config(const std::string& effective, const std::string& file);
 
 /// An --algorithm argument, "NAME[:knob=value,...][@LABEL]", for a truth of that containment: what a knob `containment`
 /// follows when it is not given. Throws Error(kInput) naming the argument.

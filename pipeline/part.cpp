@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/error.hpp"
+#include "pipeline/foreign.hpp"
 #include "pipeline/words.hpp"
 
 namespace pipeline {
@@ -37,7 +39,8 @@ Error in_the_way(const fs::path& folder, const std::string& what) {
 /// Null when there is none; discarded when it is no JSON or cannot be read.
 nlohmann::json manifest_of(int folder) {
   try {
-    return nlohmann::json::parse(read_regular(folder, kManifest, false, kMostManifest), nullptr, false);
+    const std::string text = read_regular(folder, kManifest, false, kMostManifest);
+    return nlohmann::json::parse(is_shallow(text) ? text : "", nullptr, /*allow_exceptions=*/false);
   } catch (const FileFailure& failure) {
     if (failure.error() == ENOENT) return nullptr;
     return nlohmann::json(nlohmann::json::value_t::discarded);
@@ -109,6 +112,25 @@ std::string chunk_name(const std::string& stage, std::int64_t step) {
   return stage + "-" + digits;
 }
 
+namespace {
+
+struct ChunkName {
+  std::string stage;
+  std::int64_t step;
+};
+
+/// What chunk_name made a name of.
+std::optional<ChunkName> chunk_of(const std::string& name) {
+  const std::size_t dash = name.find('-');
+  if (dash == std::string::npos) return std::nullopt;
+  ChunkName out{name.substr(0, dash), 0};
+  std::from_chars(name.data() + dash + 1, name.data() + name.size(), out.step);
+  if (out.step < 0 || chunk_name(out.stage, out.step) != name) return std::nullopt;
+  return out;
+}
+
+}  // namespace
+
 void ChunkReader::take(void* to, std::size_t size) {
   if (size > bytes_.size() - at_) throw std::logic_error("a chunk is shorter than what is read from it");
   if (size) std::memcpy(to, bytes_.data() + at_, size);
@@ -130,15 +152,19 @@ PartStatus part_status(const fs::path& folder) {
   if (status.steps < 1 || status.steps > kMostSteps)
     throw Error(kFile, folder.string() + ": is not an unfinished run of this program (no readable " + kManifest + ")");
   status.study = manifest.contains("study");
-  if (status.study) {
-    for (std::int64_t i = 0; i < status.steps; ++i) status.cases += exists(in, chunk_name("case", i));
-    return status;
-  }
-  for (std::int64_t step = 0; step < status.steps; step += kChunkSteps) {
-    const std::int64_t count = std::min(kChunkSteps, status.steps - step);
-    if (exists(in, chunk_name("motion", step))) status.motion_steps += count;
-    if (exists(in, chunk_name("truth", step))) status.truth_steps += count;
-    if (exists(in, chunk_name("answers", step))) status.answered_steps += count;
+  // What is there is counted, not what might be: a manifest can speak of millions.
+  for (const std::string& name : names_in(in)) {
+    const auto chunk = chunk_of(name);
+    if (!chunk || chunk->step >= status.steps) continue;
+    if (status.study) {
+      status.cases += chunk->stage == "case";
+      continue;
+    }
+    if (chunk->step % kChunkSteps != 0) continue;
+    const std::int64_t count = std::min(kChunkSteps, status.steps - chunk->step);
+    if (chunk->stage == "motion") status.motion_steps += count;
+    if (chunk->stage == "truth") status.truth_steps += count;
+    if (chunk->stage == "answers") status.answered_steps += count;
   }
   return status;
 }

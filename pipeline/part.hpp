@@ -102,7 +102,8 @@ class ChunkWriter {
   std::string bytes;
 };
 
-/// The counterpart. The checksum has vouched for the bytes, so a short read is a programmer's error.
+/// The counterpart. The checksum has vouched for the bytes: what is too short was made by a programmer's error or by
+/// hand; either way nothing is allocated for it.
 class ChunkReader {
  public:
   explicit ChunkReader(const std::string& bytes) : bytes_(bytes) {}
@@ -112,6 +113,7 @@ class ChunkReader {
     static_assert(std::is_trivially_copyable_v<T>);
     std::uint64_t count = 0;
     take(&count, sizeof count);
+    if (count > (bytes_.size() - at_) / sizeof(T)) take(nullptr, ~std::size_t{0});  // it cannot be there: throws
     std::vector<T> values(count);
     take(values.data(), count * sizeof(T));
     return values;

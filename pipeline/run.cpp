@@ -177,13 +177,13 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   for (const std::string& argument : arguments) parse_algorithm(argument);  // mistakes are said before the file is read
   std::error_code missing;
   const fs::path real = fs::canonical(file, missing);  // a link stays one
-  if (missing) read_result(file);                      // throws what is wrong
+  if (missing) read_result(file, options.unsealed);    // throws what is wrong
   Target target(real, Existing::update);
-  Result result = read_result(real);
+  Result result = read_result(real, options.unsealed);
   if (result.study)
     throw Error(kFile,
                 file.string() + ": is a study of the integrators, without poses to answer; name a result of a scene");
-  const Config config = parse_config(result.config_effective, file.string() + ":/config@effective");
+  const Config config = recorded_config(result.config_effective, file.string());
   std::vector<AlgorithmChoice> choices;
   for (const std::string& argument : arguments) choices.push_back(parse_algorithm(argument, config.containment));
   if (choices.empty()) choices = config.algorithms;
@@ -216,7 +216,11 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   if (result.passes) {
     // The file holds where the hero was at its samples; where it was between them its configuration says.
     const std::vector<Pass> passes = config.scene_kind->make(config).passes;
-    if (passes.size() != result.passes->rows.size())
+    const auto same = [&](const Pass& pass, const PassRow& row) {
+      return std::uint64_t(pass.first_step) == row.first_step && std::uint64_t(pass.samples) == row.samples &&
+             row.samples <= result.steps() && row.first_step <= result.steps() - row.samples;
+    };
+    if (!std::ranges::equal(passes, result.passes->rows, same))
       throw Error(kFile, file.string() + ": its passes are not those of its configuration; run again with --force");
     Progress progress("passes", passes.size() * fresh.size(), options.quiet);
     for (std::size_t a = 0; a < fresh.size(); ++a)

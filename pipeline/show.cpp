@@ -330,7 +330,7 @@ std::string result_json(const Result& result, const std::string& path) {
                {"steps", result.steps()},
                {"bodies", result.bodies.size()},
                {"rate", result.rate},
-               {"repeats", parse_config(result.config_effective, path).repeats},
+               {"repeats", recorded_config(result.config_effective, path).repeats},
                {"truth_hits", result.truth.hits.pair.size()},
                {"containment", text_of(result.truth.containment)},
                {"contained", result.truth.contained.pair.size()},

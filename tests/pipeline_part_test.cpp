@@ -307,3 +307,46 @@ TEST(Chunk, ReadsWhatWasWritten) {
   EXPECT_TRUE(in.get<std::uint64_t>().empty());
   EXPECT_THROW(in.get<char>(), std::logic_error);
 }
+
+// It asked the disk for every step that the manifest spoke of: 10^7 cases stalled `show`.
+TEST(Part, CountsWhatIsThere) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "manifest.json") << R"({"title":"t","steps":10000000,"study":true})";
+  for (const char* name : {"case-0000003", "case-9999999", "case-10000000", "case-3", "case-0000004.new", "lock"})
+    std::ofstream(folder / name) << "x";
+  EXPECT_EQ(part_status(folder / "").cases, 2);
+  std::ofstream(folder / "manifest.json") << R"({"title":"t","steps":130})";
+  for (const char* name : {"motion-0000000", "motion-0000050", "truth-0000100", "answers-0000007", "truth-0000150"})
+    std::ofstream(folder / name) << "x";
+  const PartStatus status = part_status(folder / "");
+  EXPECT_EQ(status.motion_steps, 100);
+  EXPECT_EQ(status.truth_steps, 30);
+  EXPECT_EQ(status.answered_steps, 0);
+}
+
+TEST(Part, RefusesAManifestThatIsNone) {
+  const TemporaryFolder folder;
+  const auto code = [&] {
+    try {
+      part_status(folder / "");
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return kDone;
+  };
+  for (const std::string& text : {std::string("{\"steps\": 1"), std::string(10'000, '['), std::string(1 << 20, ' ')}) {
+    std::ofstream(folder / "manifest.json") << text;
+    EXPECT_EQ(code(), kFile);
+  }
+  fs::remove(folder / "manifest.json");
+  ASSERT_EQ(mkfifo((folder / "manifest.json").c_str(), 0600), 0);
+  EXPECT_EQ(code(), kFile);
+}
+
+// The count of a list is believed only as far as there are bytes.
+TEST(ChunkReader, AllocatesNothingForWhatIsNotThere) {
+  const std::uint64_t count = std::uint64_t{1} << 60;
+  const std::string bytes(reinterpret_cast<const char*>(&count), sizeof count);
+  ChunkReader reader(bytes);
+  EXPECT_THROW(reader.get<double>(), std::logic_error);
+}

@@ -12,6 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from editing import edited
 from program import DONE, FAILED, FILE, INPUT, INTERRUPTED, PIPELINE, ROOT, USAGE, one_line, pipeline
 
 SMOKE = str(ROOT / "configs" / "smoke.toml")
@@ -511,7 +512,7 @@ def test_show_refuses_foreign_and_newer_files(tmp_path, smoke):
     one_line(run)
     newer = tmp_path / "newer.h5"
     shutil.copy(smoke, newer)
-    with h5py.File(newer, "r+") as file:
+    with edited(newer) as file:
         file.attrs["schema_version"] = np.int64(10**6)
     run = pipeline("show", newer)
     assert run.returncode == FILE and "1000000" in one_line(run)

@@ -7,12 +7,12 @@ import subprocess
 import sys
 import xml.dom.minidom
 
-import h5py
 import matplotlib.image
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
+from editing import edited
 from browser import browsing, open_page
 from conftest import ROOT, SCENES
 
@@ -149,7 +149,7 @@ def test_the_same_file_gives_the_same_bytes(made, result_file):
 
 def test_texts_of_a_file_are_shown_and_not_run(copy, tmp_path):
     evil = '<script>console.error("run")</script>&"' + "x" * 900
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         file.attrs["title"] = evil
         file["answers/obb_sat"].attrs["operations_unit"] = evil
     assert main(["report", str(copy), "-o", str(tmp_path / "r.html")]) == 0
@@ -367,7 +367,7 @@ def test_long_labels_leave_room_to_the_bars_and_none_is_an_axis_of_its_own_size(
 
 def test_an_algorithm_without_error_stands_in_the_strip(copy):
     assert "none is without error" in figures([load(copy)])[0].svg
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         file["answers/obb_sat"].attrs["promise"] = "exact"
         for name in ("error", "false_positive", "false_negative"):
             values = file[f"summary/{name}"][()]
@@ -379,7 +379,7 @@ def test_an_algorithm_without_error_stands_in_the_strip(copy):
 
 
 def test_names_in_the_strip_stand_off_the_front(copy, tmp_path):
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         for name in ("error", "false_positive", "false_negative"):
             file[f"summary/{name}"][...] = 0
         file["summary/time_mean_ns"][...] = 10.0 ** np.arange(3, 3 + len(file["algorithm"]))
@@ -404,7 +404,7 @@ def test_files_of_one_motion_share_figures_and_equal_answers_count_once(result_f
 
 
 def test_another_machines_times_are_drawn_apart_and_it_is_said(result_file, copy, tmp_path, brief):
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         file["answers/obb_sat"].attrs["processor"] = "Other processor"
     path = tmp_path / "r.html"
     assert main(["report", str(copy), "-o", str(path)]) == 0
@@ -466,7 +466,7 @@ def test_a_failed_integration_is_said(pipeline, tmp_path):
 
 
 def test_a_result_without_algorithms_is_said(copy, tmp_path):
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         for group in ("results", "summary", "answers", "algorithm"):
             del file[group]
     odd(copy, tmp_path, "no algorithm has answered", "There is nothing to draw")
@@ -476,7 +476,7 @@ def test_a_result_without_algorithms_is_said(copy, tmp_path):
     "group", ["physics", "results", "bodies", "meshes", "motion", "truth", "run", "summary", "config", "passes"]
 )
 def test_a_group_that_is_missing_is_no_obstacle(copy, tmp_path, group):
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         if group in file:
             del file[group]
     said = {"results": "lacks /results", "motion": "lacks /motion", "truth": "has no truth",
@@ -486,7 +486,7 @@ def test_a_group_that_is_missing_is_no_obstacle(copy, tmp_path, group):
 
 
 def test_what_makes_times_or_answers_doubtful_is_said(copy, tmp_path, brief):
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         file.attrs["build_type"] = "Debug"
         file.attrs["git_commit"] = "0123456789-dirty"
         kept = file["summary/promise_kept"][()]

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pandas as pd
 import pytest
+from editing import edited
 from conftest import ROOT
 
 from analysis.load import load
@@ -367,7 +368,7 @@ TOUCHES, INSIDE = (5, 7), (6,)
 def playground_file(tmp_path):
     path = tmp_path / "playground.h5"
     text = h5py.string_dtype()
-    with h5py.File(path, "w") as file:
+    with edited(path, "w") as file:
         file.attrs["schema_version"] = 1
         file["step"] = np.arange(STEPS)
         file["time"] = np.arange(STEPS) / 60
@@ -440,7 +441,7 @@ def test_the_nearest_target_and_the_middle_are_found_from_the_motion(playground_
 
 
 def test_a_slab_that_the_hero_sticks_in_is_found_from_the_motion(playground_file):
-    with h5py.File(playground_file, "r+") as file:
+    with edited(playground_file) as file:
         file["meshes/cube/vertices"][:, 0] = [-0.5, 0.5]
         file["motion/position"][5, 1, 0] = 99.6
     scene = playground(load(playground_file))
@@ -475,7 +476,7 @@ def test_what_is_no_result_is_one_line_and_code_4(tmp_path, content):
 
 
 def test_a_file_of_another_scene_is_refused(playground_file):
-    with h5py.File(playground_file, "r+") as file:
+    with edited(playground_file) as file:
         file["config"].attrs["effective"] = '[scene]\nkind = "replay"\n'
     done = statements(playground_file)
     assert (done.returncode, done.stdout) == (4, "")
@@ -483,7 +484,7 @@ def test_a_file_of_another_scene_is_refused(playground_file):
 
 
 def test_a_playground_without_passes_is_refused(playground_file):
-    with h5py.File(playground_file, "r+") as file:
+    with edited(playground_file) as file:
         del file["passes"]
     done = statements(playground_file)
     assert done.returncode == 4 and "/passes" in done.stderr and done.stderr.count("\n") == 1

@@ -5,10 +5,10 @@ import shutil
 import xml.etree.ElementTree
 from types import SimpleNamespace
 
-import h5py
 import numpy as np
 import pandas as pd
 import pytest
+from editing import edited
 from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
@@ -595,7 +595,7 @@ def test_smoke_run_is_drawn(smoke):
 def test_missing_groups_are_said_and_nothing_raises(result_file, tmp_path, groups, why):
     path = tmp_path / "cut.h5"
     shutil.copy(result_file, path)
-    with h5py.File(path, "r+") as file:
+    with edited(path) as file:
         for group in groups:
             del file[group]
     found = thesis_figures.sections([load(path)])

@@ -15,6 +15,7 @@ import h5py
 import matplotlib.image
 import numpy as np
 import pytest
+from editing import edited
 from browser import browsing
 from conftest import ROOT
 from program import one_line
@@ -121,7 +122,7 @@ def test_bodies_are_drawn_where_they_are(request, name):
 def test_a_scene_a_million_kilometres_away_keeps_its_shape(result_file, tmp_path):
     far = tmp_path / "far.h5"
     shutil.copy(result_file, far)
-    with h5py.File(far, "r+") as file:
+    with edited(far) as file:
         file["motion/position"][...] += 1e9
     data = data_of(page_of(far, step=10))
     k = 10 - data["first"]
@@ -202,7 +203,7 @@ def test_files_that_are_none_or_cannot_be_written_are_told_in_a_line(command, re
     text.write_text("no result")
     cut.write_bytes(result_file.read_bytes()[:50_000])
     shutil.copy(result_file, newer)
-    with h5py.File(newer, "r+") as file:
+    with edited(newer) as file:
         file.attrs["schema_version"] = 99
     for path in (text, cut, newer, tmp_path / "none.h5", tmp_path):
         run = command(path, "--step", 5, "-o", tmp_path / "x.html")
@@ -223,7 +224,7 @@ def test_files_that_are_none_or_cannot_be_written_are_told_in_a_line(command, re
 
 def test_a_figure_that_is_no_number_is_damage_and_no_blank_page(command, result_file, tmp_path):
     shutil.copy(result_file, tmp_path / "own.h5")
-    with h5py.File(tmp_path / "own.h5", "r+") as file:
+    with edited(tmp_path / "own.h5") as file:
         del file["time"].attrs["rate"]
     run = command(tmp_path / "own.h5", "--step", 5, "-o", tmp_path / "x.html")
     assert run.returncode == FILE and "own.h5: is damaged" in one_line(run)
@@ -414,7 +415,7 @@ def test_without_webgl_the_page_says_so_and_still_lists(result_file, tmp_path):
 def test_hostile_names_and_lost_bodies_do_no_harm(result_file, tmp_path):
     copy, title = tmp_path / "copy.h5", "</script><script>alert(1)</script><img src=x onerror=alert(1)><!-- data -->"
     shutil.copy(result_file, copy)
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         file.attrs["title"] = title
         file["motion/position"][50:] = np.nan  # as after an integration that failed at step 50
     with opened(page_of(copy, step=45), tmp_path) as page:
