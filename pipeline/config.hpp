@@ -155,10 +155,11 @@ struct Config {
   std::optional<Study> study;             // then it has no scene and nothing of what follows but texts and notes
   const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
   std::variant<FallingScene, BoxScene, PlaygroundScene, ReplayScene, ExtremesScene> scene;  // of that kind
-  Physics physics;                                                           // only when the scene is integrated
+  Physics physics;  // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;
-  std::optional<double> gap_margin;  // m; absent: distances are not asked for
+  double closed_within = geometry::kClosedWithin;  // of a mesh's size, as in Bodies
+  std::optional<double> gap_margin;                // m; absent: distances are not asked for
   std::int64_t repeats = 3;
   std::vector<AlgorithmChoice> algorithms;
 
