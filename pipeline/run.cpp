@@ -113,6 +113,11 @@ Result run(const Config& config, const RunOptions& options) {
   if (config.study) return run_study(config, options, start);
 
   Scene scene = make_scene(config);
+  if (!scene.case_sets.empty() && config.containment != Containment::ignore)
+    for (const geometry::Mesh& mesh : scene.bodies.meshes)
+      if (const geometry::Solid solid = geometry::solid_of(mesh, config.closed_within); !solid.closed)
+        std::fprintf(stderr, "warning: mesh '%s': the surface is open, %s; nothing can be inside it\n",
+                     mesh.name.c_str(), geometry::open_text(solid).c_str());
   if (scene.case_sets.empty()) refuse_unfit(scene.bodies, config.algorithms);  // of extremes a refusal is an answer
 
   Provenance from = provenance();
