@@ -13,7 +13,7 @@ Knob containment_knob();
 inline constexpr std::string_view kDecidingUnit = "pairs of nodes and of triangles, and supports";
 
 /// A Method that answers exactly. Where it does not remember, every step starts from an empty memory. `knobs` has
-/// containment; throws std::invalid_argument when it is wanted and a mesh is open.
+/// containment; throws std::invalid_argument when it is wanted and every mesh is open.
 std::unique_ptr<Method> make_deciding(const Bodies& bodies, const Knobs& knobs, bool remembers);
 
 }  // namespace algorithms

@@ -255,8 +255,7 @@ int dispatch(int argc, const char* const* argv) {
     const std::filesystem::path target = output_path(config, options);
     const Plan planned = plan(config);
     refuse_if_too_large(planned, target);
-    if (!config.study && planned.case_sets == 0)
-      refuse_unfit(config.scene_kind->make(config).bodies, config.algorithms);
+    if (!config.study && planned.case_sets == 0) refuse_unfit(make_scene(config).bodies, config.algorithms);
     put(json ? plan_json(config, planned, target.string()) : plan_text(config, planned, target.string()));
     return kDone;
   }

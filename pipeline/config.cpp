@@ -24,7 +24,8 @@ constexpr std::size_t kMostTitle = 1024;              // characters
 constexpr std::int64_t kMostSteps = 10000000;         // at 274 bodies 120 GB of motion: further is a mistake
 constexpr double kLeastRate = 1e-6, kMostRate = 1e6;  // samples per second
 constexpr std::int64_t kMostRepeats = 1000;
-constexpr double kGapMargin = 0.1;  // m
+constexpr double kGapMargin = 0.1;          // m
+constexpr double kMostClosedWithin = 1e-3;  // of a mesh's size: more is no hair, but the mesh
 constexpr Range kFinite{};
 constexpr Range kNotNegative{.least = 0};
 constexpr Range kPositive{.least = 0, .above = true};
@@ -85,8 +86,9 @@ void read_physics(const Section& s, Config& config) {
 }
 
 void read_truth(const Section& s, Config& config) {
-  s.only({"containment", "gap", "gap_margin"});
+  s.only({"containment", "closed_within", "gap", "gap_margin"});
   config.containment = *containment_of(s.choice("containment", "ignore", {"ignore", "record", "meet"}));
+  config.closed_within = s.real("closed_within", config.closed_within, {.least = 0, .most = kMostClosedWithin});
   if (s.boolean("gap", false))
     config.gap_margin = s.real("gap_margin", kGapMargin, {.least = 0, .most = kMostLength});
   else if (s.has("gap_margin"))
@@ -186,6 +188,7 @@ std::string effective(const Config& c) {
 
   out.table("[truth]");
   out.line("containment", std::string(text_of(c.containment)));
+  out.line("closed_within", c.closed_within);
   out.line("gap", c.gap_margin.has_value());
   if (c.gap_margin) out.line("gap_margin", *c.gap_margin);
   out.table("[timing]");

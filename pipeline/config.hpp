@@ -162,7 +162,8 @@ struct Config {
   Physics physics;  // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;
-  std::optional<double> gap_margin;  // m; absent: distances are not asked for
+  double closed_within = geometry::kClosedWithin;  // of a mesh's size, as in Bodies
+  std::optional<double> gap_margin;                // m; absent: distances are not asked for
   std::int64_t repeats = 3;
   std::vector<AlgorithmChoice> algorithms;
 

@@ -200,12 +200,12 @@ std::vector<ExtremeCase> extreme_rows(const Bodies& bodies, const Poses& poses, 
     const bool contained_meets = truth.containment == Containment::meet;
     std::vector<geometry::Solid> solids;
     if (contained_meets)
-      for (const geometry::Mesh& mesh : two.meshes) solids.push_back(geometry::solid_of(mesh));
+      for (const geometry::Mesh& mesh : two.meshes) solids.push_back(geometry::solid_of(mesh, bodies.closed_within));
     geometry::Decision decision(two, bvhs, solids);
     const auto meet = [&](std::vector<Pose> at) { return decision.meet(at, {0, 1}); };
     const auto scores = [&](std::vector<Pose> at) {  // by the truth that scores
       const PairRun run{0, 1, 2};
-      std::vector<Pair> contained;
+      std::vector<geometry::Contained> contained;
       return !decision.hits(at, {&run, 1}, contained_meets ? &contained : nullptr).empty() || !contained.empty();
     };
     for (std::size_t s = std::size_t(set.first_step); s < std::size_t(set.first_step + set.steps); ++s) {

@@ -112,7 +112,12 @@ Result run(const Config& config, const RunOptions& options) {
   refuse_if_too_large(plan(config), output);
   if (config.study) return run_study(config, options, start);
 
-  Scene scene = config.scene_kind->make(config);
+  Scene scene = make_scene(config);
+  if (!scene.case_sets.empty() && config.containment != Containment::ignore)
+    for (const geometry::Mesh& mesh : scene.bodies.meshes)
+      if (const geometry::Solid solid = geometry::solid_of(mesh, config.closed_within); !solid.closed)
+        std::fprintf(stderr, "warning: mesh '%s': the surface is open, %s; nothing can be inside it\n",
+                     mesh.name.c_str(), geometry::open_text(solid).c_str());
   if (scene.case_sets.empty()) refuse_unfit(scene.bodies, config.algorithms);  // of extremes a refusal is an answer
 
   Provenance from = provenance();
@@ -162,7 +167,7 @@ Result run(const Config& config, const RunOptions& options) {
                                             result.answers[a], config.algorithms[a], progress));
     result.passes = std::move(passes);
   }
-  const std::uint64_t pairs = total_pairs(result.bodies, result.motion);
+  const std::uint64_t pairs = judged_pairs(result);
   for (const Answers& answers : result.answers) result.summary.push_back(summarise(answers, pairs));
 
   result.first_step = first_steps(result.motion, result.bodies.size());
@@ -184,6 +189,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     throw Error(kFile,
                 file.string() + ": is a study of the integrators, without poses to answer; name a result of a scene");
   const Config config = recorded_config(result.config_effective, file.string());
+  result.bodies.closed_within = config.closed_within;
   std::vector<AlgorithmChoice> choices;
   for (const std::string& argument : arguments) choices.push_back(parse_algorithm(argument, config.containment));
   if (choices.empty()) choices = config.algorithms;
@@ -227,7 +233,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
       fresh_passes.push_back(pass_answers(result.bodies, result.motion, result.truth, passes, result.passes->rows,
                                           fresh[a], choices[a], progress));
   }
-  const std::uint64_t pairs = total_pairs(result.bodies, result.motion);
+  const std::uint64_t pairs = judged_pairs(result);
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     Answers& answers = fresh[i];
     const std::size_t at = std::size_t(index_of(answers.label));

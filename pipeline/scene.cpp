@@ -17,6 +17,12 @@ const std::vector<SceneKind>& scene_kinds() {
   return kinds;
 }
 
+Scene make_scene(const Config& config) {
+  Scene scene = config.scene_kind->make(config);
+  scene.bodies.closed_within = config.closed_within;
+  return scene;
+}
+
 BodyState unborn_state() {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   BodyState state;

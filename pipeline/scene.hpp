@@ -68,6 +68,9 @@ struct SceneKind {
 
 const std::vector<SceneKind>& scene_kinds();
 
+/// The scene of a configuration.
+Scene make_scene(const Config& config);
+
 // The rows, each from its own file.
 SceneKind falling_kind();
 SceneKind box_kind();

@@ -11,6 +11,7 @@
 
 #include "geometry/contain.hpp"
 #include "geometry/mesh_file.hpp"
+#include "geometry/shells.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/file_bytes.hpp"
 #include "pipeline/poses_csv.hpp"
@@ -148,9 +149,32 @@ Input read_input(Config& config, const std::string& written, const std::string& 
   return input;
 }
 
-void note_flaws(const geometry::Mesh& mesh, const std::string& file, Config& config) {
-  if (!geometry::is_closed(mesh) && !geometry::solid_of(mesh).closed)
-    config.notes.push_back(file + ": the surface is open; it is used as it is");
+/// How many, with the noun in the number it needs.
+std::string counted(std::size_t n, const std::string& one, const std::string& many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+/// Says what the parity rule makes hollow.
+void note_hollows(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file, Config& config) {
+  const geometry::Shells found = geometry::shells_of(mesh, solid);
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  if (found.repeated_facets > 0)
+    add(counted(found.repeated_facets, "facet stands", "facets stand") + " where another stands already");
+  if (found.meeting > 0)
+    add(std::to_string(found.meeting) + " of its " + std::to_string(found.shells) + " shells touch or cross another");
+  if (found.nested_alike > 0)
+    add(counted(found.nested_alike, "shell lies", "shells lie") + " inside another that faces the same way");
+  if (!text.empty()) config.notes.push_back(file + ": " + text + "; what lies in two shells counts as outside");
+}
+
+/// What should be said of a mesh that others made.
+void note_flaws(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file, Config& config) {
+  const bool contained = config.containment != Containment::ignore;
+  if (!solid.closed)
+    config.notes.push_back(file + ": the surface is open, " + geometry::open_text(solid) + "; it is used as it is" +
+                           (contained ? ", and nothing can be inside it" : ""));
+  if (contained) note_hollows(mesh, solid, file, config);
   if (const std::size_t flat = geometry::degenerate_facets(mesh); flat > 0)
     config.notes.push_back(file + ": " + std::to_string(flat) + (flat == 1 ? " triangle has" : " triangles have") +
                            " no area; used as they are");
@@ -161,6 +185,8 @@ void note_flaws(const geometry::Mesh& mesh, const std::string& file, Config& con
 geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
   geometry::Bodies bodies;
   std::map<std::string, std::uint32_t> known;  // by the text of `shape`
+  std::optional<std::pair<ReplayBody, geometry::Solid>> first_open;
+  bool any_closed = false;
   for (const ReplayBody& body : scene.bodies) {
     TomlText text;
     if (body.shape)
@@ -172,6 +198,7 @@ geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
       geometry::Mesh mesh;
       if (body.shape) {
         mesh = make_mesh(*body.shape, body.name);
+        any_closed = true;
       } else {
         const Input input = read_input(config, body.mesh, body.place);
         try {
@@ -180,16 +207,20 @@ geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
           throw Error(kInput, error.what());
         }
         mesh.shape = "{\"file\": " + in_quotes(one_line(body.mesh, 4096)) + "}";
-        note_flaws(mesh, input.path, config);
+        geometry::Solid solid = geometry::solid_of(mesh, config.closed_within);
+        note_flaws(mesh, solid, input.path, config);
+        any_closed |= solid.closed;
+        if (!solid.closed && !first_open) first_open.emplace(body, std::move(solid));
       }
-      if (config.containment != Containment::ignore && !geometry::solid_of(mesh).closed)
-        throw Error(kInput, body.place + " of body '" + body.name + "': " + open_mesh_text(mesh.name));
       bodies.meshes.push_back(std::move(mesh));
     }
     bodies.name.push_back(body.name);
     bodies.mesh.push_back(at->second);
     bodies.fixed.push_back(body.fixed);
   }
+  if (config.containment != Containment::ignore && !any_closed)
+    throw Error(kInput, first_open->first.place + " of body '" + first_open->first.name +
+                            "': " + all_open_text(first_open->first.name, first_open->second));
   return bodies;
 }
 
@@ -214,9 +245,15 @@ std::vector<std::vector<geometry::Pose>> load_poses(Config& config, const Replay
 void load_result(Config& config, const ReplayScene& scene, ReplayInputs& inputs) {
   const std::string path = read_input(config, scene.motion, scene.place).path;
   Result earlier = read_result(path);
-  if (config.containment != Containment::ignore)
-    for (const geometry::Mesh& mesh : earlier.bodies.meshes)
-      if (!geometry::solid_of(mesh).closed) throw Error(kInput, scene.place + ": " + open_mesh_text(mesh.name));
+  if (config.containment != Containment::ignore) {
+    std::vector<geometry::Solid> solids;
+    for (const geometry::Mesh& mesh : earlier.bodies.meshes) {
+      solids.push_back(geometry::solid_of(mesh, config.closed_within));
+      note_flaws(mesh, solids.back(), path + ": mesh '" + mesh.name + "'", config);
+    }
+    if (std::ranges::none_of(solids, &geometry::Solid::closed))
+      throw Error(kInput, scene.place + ": " + all_open_text(earlier.bodies.meshes[0].name, solids[0]));
+  }
   inputs.bodies = std::move(earlier.bodies);
   inputs.poses = std::move(earlier.motion);
   inputs.rate = earlier.rate;

@@ -355,6 +355,18 @@ Extremes read_extremes(const Reader& from, std::uint64_t steps, std::uint64_t al
   return extremes;
 }
 
+/// What files have since they say which of a contained pair is inside.
+void read_contained_inside(const Reader& from, Result& result) {
+  const std::vector<Pair>& pairs = result.truth.contained.pair;
+  result.truth.contained_inside = from.values<std::uint32_t>("/truth/contained_inside", {pairs.size()});
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (const std::uint32_t body = (*result.truth.contained_inside)[i]; body != pairs[i].a && body != pairs[i].b)
+      throw h5::Failure("/truth/contained_inside: names a body that is not of the pair");
+  result.bodies.closed_within = from.attribute<double>("/truth", "closed_within");
+  for (const geometry::Mesh& mesh : result.bodies.meshes)
+    result.truth.closed_within.push_back(from.attribute<double>("/meshes/" + mesh.name, "closed_within"));
+}
+
 void read_contained_hits(const Reader& from, std::uint64_t steps, Result& result) {
   from.answers("/results", kContainedHit, steps, result.answers);
   const auto totals =
@@ -408,6 +420,7 @@ Result read_all(const Reader& from) {
     if (!kept || *kept == Containment::ignore) throw h5::Failure("/truth: its containment is not known");
     result.truth.containment = *kept;
     result.truth.contained = from.pairs("/truth", steps, bodies, "contained_");
+    if (from.has("/truth/contained_inside")) read_contained_inside(from, result);
   }
   if (from.has("/truth/gap_pair")) {
     GapLists& gaps = result.truth.gaps.emplace();

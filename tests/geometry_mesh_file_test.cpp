@@ -155,7 +155,7 @@ TEST(MeshFile, StlHasThreeVerticesPerFacetAndIsNeverClosedByIndex) {
       for (int c = 0; c < 3; ++c) EXPECT_EQ(mesh.vertices[3 * i + c], box.vertices[box.triangles[i][c]]);
     }
     EXPECT_FALSE(geometry::is_closed(mesh));
-    EXPECT_TRUE(geometry::solid_of(mesh).closed);  // as a set of points it is
+    EXPECT_TRUE(geometry::solid_of(mesh, geometry::kClosedWithin).closed);  // as a set of points it is
   }
 }
 

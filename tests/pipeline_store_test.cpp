@@ -153,6 +153,11 @@ void expect_same(const Result& a, const Result& b) {
   expect_same(a.truth.hits, b.truth.hits);
   EXPECT_EQ(a.truth.containment, b.truth.containment);
   expect_same(a.truth.contained, b.truth.contained);
+  EXPECT_EQ(a.truth.contained_inside, b.truth.contained_inside);
+  ASSERT_EQ(a.truth.closed_within.size(), b.truth.closed_within.size());
+  for (std::size_t i = 0; i < a.truth.closed_within.size(); ++i)
+    EXPECT_TRUE(same_bits(a.truth.closed_within[i], b.truth.closed_within[i]));
+  EXPECT_EQ(a.bodies.closed_within, b.bodies.closed_within);
   ASSERT_EQ(a.truth.gaps.has_value(), b.truth.gaps.has_value());
   if (a.truth.gaps) {
     EXPECT_EQ(a.truth.gaps->margin, b.truth.gaps->margin);
@@ -237,9 +242,20 @@ TEST_F(Store, KeepsContainedPairsAndTheHitsOnThem) {
         result.answers[a].contained_hit = {a, 1, 0};
         result.summary[a].contained_hit = a + 1;
       }
+    round_trip(result, file("a.h5"), file("b.h5"));  // as files are that do not say which one is inside
+    result.bodies.closed_within = 0x1p-30;
+    result.truth.contained_inside = {0, 2, 3};
+    result.truth.closed_within = {2.5e-16, std::numeric_limits<double>::quiet_NaN()};
     round_trip(result, file("a.h5"), file("b.h5"));
     // They are part of the truth's digest.
     const std::string before = digests(result).at("/truth");
+    result.truth.contained_inside->at(1) = 0;
+    EXPECT_NE(digests(result).at("/truth"), before);
+    result.truth.contained_inside->at(1) = 3;  // not of the pair
+    write_result(result, file("c.h5"));
+    EXPECT_THROW(read_result(file("c.h5")), Error);
+    result.truth.contained_inside->at(1) = 2;
+    EXPECT_EQ(digests(result).at("/truth"), before);
     result.truth.contained.pair[1].b = 3;
     EXPECT_NE(digests(result).at("/truth"), before);
   }
