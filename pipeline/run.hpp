@@ -22,9 +22,9 @@ std::filesystem::path output_path(const Config& config, const RunOptions& option
 /// Throws Error.
 Result run(const Config& config, const RunOptions& options);
 
-/// Answers and times algorithms on the motion and truth of an existing file, and replaces the file by one that has them.
-/// `arguments` are --algorithm arguments; none means those of the file's own configuration. A label that exists is
-/// refused without options.force, which replaces its answers. Throws Error.
+/// Answers and times algorithms on the motion and truth of an existing file, and replaces the file by one that has
+/// them. `arguments` are --algorithm arguments; none means those of the file's own configuration. A label that exists
+/// is refused without options.force, which replaces its answers. Throws Error.
 Result detect_again(const std::filesystem::path& file, const std::vector<std::string>& arguments,
                     const RunOptions& options);
 

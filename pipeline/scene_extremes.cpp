@@ -224,7 +224,19 @@ SceneSize size(const Config& config) {
   for (std::uint32_t body = 0; body < bodies.size(); ++body) size.body_vertices += bodies.mesh_of(body).vertices.size();
   size.pairs = 1;
   for_each_set(scene, all, [&](std::uint64_t, const PairKind&, const Place&) { ++size.case_sets; });
+  size.alone = bodies.meshes;
   return size;
+}
+
+std::vector<Ahead> ahead(const Config& config) {
+  const ExtremesScene& scene = std::get<ExtremesScene>(config.scene);
+  std::vector<Ahead> out;
+  double step = 0;
+  for_each_set(scene, places(scene), [&](std::uint64_t, const PairKind&, const Place& place) {
+    step += double(place.gaps.size());
+    out.push_back({.what = "sets of gaps", .first = step - 1});
+  });
+  return out;
 }
 
 // ---- Touching ------------------------------------------------------------------------------------------------------
@@ -366,7 +378,8 @@ SceneKind extremes_kind() {
           .write = write,
           .size = size,
           .make = make,
-          .steps = steps};
+          .steps = steps,
+          .ahead = ahead};
 }
 
 }  // namespace pipeline
