@@ -7,6 +7,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "pipeline/threads.hpp"
+
 namespace pipeline {
 namespace {
 
@@ -139,17 +141,18 @@ MotionTrial try_motion(const Config& config, const Scene& scene, std::vector<Bod
   constexpr double kPart = 0.25;  // of a step; a whole one may take long
   MotionTrial out;
   try {
-    const auto start = Clock::now();
+    const double start = processor_seconds();
     Integration integration(scene, config.physics, states, 0, 0);
-    out.begin = since(start);
+    out.begin = processor_seconds() - start;
     const auto begun = Clock::now();
+    const double before = processor_seconds();
     double steps = 0;
     PhysicsSample row;
     while (steps < 20 && since(begun) < seconds) {
       steps += kPart;
       if (!integration.advance_to(steps / config.rate, row, states).empty()) break;
     }
-    out.step = since(begun) / steps;
+    out.step = (processor_seconds() - before) / steps;
   } catch (const std::invalid_argument&) {  // said by the run itself
   }
   for (const BodyState& state : states) out.poses.push_back(pose_of(state));

@@ -70,7 +70,10 @@ Poses foreseen_poses(const Config& config, const SceneSize& size) {
     for (std::uint64_t t = 0; t < event.before(steps); ++t) lively += double(event.bodies) * (steps - event.step(t));
   }
   out.moving = born_later ? lively : double(size.bodies) * steps;
-  out.changed = 7 * lively + (out.moving - lively);
+  // Without friction nothing begins to turn, and the quaternion stays.
+  const Material& material = config.physics.material;
+  const bool turns = material.static_friction > 0 || material.dynamic_friction > 0 || material.viscous_friction > 0;
+  out.changed = (turns ? 7 : 3) * lively + (out.moving - lively);
   return out;
 }
 
@@ -141,6 +144,9 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
     if (!plan.case_sets) held += double(label.memory.held);
   }
   methods = std::max(methods, held);
+  // A chunk of answers while it is written: it grows as a text.
+  methods +=
+      2 * std::min(steps, double(kChunkSteps)) / steps * labels * (sizeof(geometry::Pair) * poses.moving + 80 * steps);
 
   // The motion is laid out first: both forms of it twice. Then the columns, the image of the file and its copy.
   const double columns = labels * steps * 88 + (plan.case_sets ? steps * (100 + 3 * labels) : 0);
@@ -166,20 +172,24 @@ std::vector<LabelPlan> labels_of(const geometry::Bodies& bodies, const std::vect
   return out;
 }
 
-/// What methods take of two bodies of each mesh alone; those that refuse a mesh take nothing.
-void count_alone(const Config& config, const std::vector<geometry::Mesh>& meshes, Plan& plan) {
-  plan.labels.clear();
+/// What methods take of two bodies alone. One that refuses the second mesh has taken what the first needs.
+void count_alone(const Config& config, const std::vector<geometry::Bodies>& pairs, Plan& plan) {
   for (const AlgorithmChoice& choice : config.algorithms) {
     LabelPlan label{choice.label, {}};
-    for (const geometry::Mesh& mesh : meshes) {
-      const geometry::Bodies two{
-          .meshes = {mesh, mesh}, .name = {"a", "b"}, .mesh = {0, 1}, .fixed = {0, 0}, .chosen = {}};
+    const auto take = [&](const geometry::Bodies& bodies) {
+      const algorithms::Memory memory = memory_of(choice, bodies);
+      label.memory.held = std::max(label.memory.held, memory.held);
+      label.memory.greatest = std::max(label.memory.greatest, memory.greatest);
+      plan.alone_bytes += double(memory.greatest) / double(pairs.size());
+    };
+    for (const geometry::Bodies& two : pairs) {
       try {
-        const algorithms::Memory memory = memory_of(choice, two);
-        label.memory.held = std::max(label.memory.held, memory.held);
-        label.memory.greatest = std::max(label.memory.greatest, memory.greatest);
-        plan.alone_bytes += double(memory.greatest) / double(meshes.size());
+        take(two);
       } catch (const std::invalid_argument&) {
+        try {
+          take({.meshes = {two.meshes[0]}, .name = {"a"}, .mesh = {0}, .fixed = {0}, .chosen = {}});
+        } catch (const std::invalid_argument&) {
+        }
       }
     }
     plan.labels.push_back(std::move(label));

@@ -4,6 +4,7 @@
 // bodies.
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,6 +40,8 @@ struct Ahead {
   std::uint64_t bodies =
       0;  // that move otherwise from then on, each time: before they stand, fall freely or are not born
 
+  double lasts = std::numeric_limits<double>::infinity();  // steps until they calm down
+
   double step(std::uint64_t time) const { return first + every * double(time); }
   /// How many of them are at steps below `steps`.
   std::uint64_t before(double steps) const;
@@ -52,7 +55,8 @@ struct SceneSize {
   std::uint64_t passes = 0;                             // of scripted scenes
   std::uint64_t case_sets = 0;                          // of scenes of extremes
   std::optional<std::uint64_t> pairs = {};              // asked about at a step; absent: all that the bodies make
-  std::vector<geometry::Mesh> alone = {};               // of scenes of extremes: two of these are there at a step
+  std::vector<geometry::Bodies> alone =
+      {};  // of extremes: the distinct pairs of bodies, one of which is there at a step
 };
 
 /// One kind of scene, as data.
