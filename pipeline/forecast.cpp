@@ -20,14 +20,20 @@ void Forecast::begin(const std::string& stage, std::uint64_t items) {
   expected_ = actual_ = 0;
 }
 
-void Forecast::done(std::uint64_t items, double seconds, bool fresh) {
+void Forecast::done(std::uint64_t items, double seconds, bool fresh, double busy) {
   const double before = foreseen(done_);
   done_ = std::min(done_ + items, items_);
   if (!fresh) return;
+  busy_ = std::max(1.0, busy);
   const double expected = foreseen(done_) - before, whole = foreseen(items_);
   const double fade = whole > 0 ? std::exp(-expected / (0.3 * whole)) : 1;
   expected_ = fade * expected_ + expected;
   actual_ = fade * actual_ + seconds;
+}
+
+void Forecast::improve(const Stage& stage) {
+  for (Stage& known : stages_)
+    if (known.name == stage.name && known.until.size() == stage.until.size()) known = stage;
 }
 
 std::optional<double> Forecast::left() const {
@@ -37,8 +43,8 @@ std::optional<double> Forecast::left() const {
     return rest * actual_ / expected_;
   }
   const double prior = 0.03 * foreseen(items_);
-  double left = rest * (actual_ + prior) / (expected_ + prior);
-  for (std::size_t i = present_ + 1; i < stages_.size(); ++i) left += stages_[i].seconds();
+  double left = rest * (actual_ + prior * busy_) / (expected_ + prior);
+  for (std::size_t i = present_ + 1; i < stages_.size(); ++i) left += busy_ * stages_[i].seconds();
   return left;
 }
 

@@ -18,12 +18,14 @@ struct Stage {
 
 /// What is left of a run while it goes on. The rest is
 ///
-///     k * (foreseen for the rest of the present stage) + (foreseen for the stages after it),
+///     k * (foreseen for the rest of the present stage) + busy * (foreseen for the stages after it),
 ///
 /// where k = (A + w P) / (D + w P) tells how wrong the forecast has been: D seconds were foreseen for what was done of
-/// the stage, A were taken, and w P = 3 % of the whole stage keeps k near 1 until something is known. D and A fade
-/// with what is done, by 1/e in three tenths of the stage, so that k follows the recent rate: a lively half that is
-/// slower than foreseen is noticed while it lasts. Stages that nothing is foreseen for count their items alike.
+/// the stage, A were taken, and w P = 3 % of the whole stage keeps k still until something is known. D and A fade with
+/// what is done, by 1/e in three tenths of the stage, so that k follows the recent rate: a lively half that is slower
+/// than foreseen is noticed while it lasts. Forecasts are of processor time; `busy`, at least 1, is how much longer the
+/// present stage takes by the clock, since others want the processor too. Stages that nothing is foreseen for count
+/// their items alike.
 class Forecast {
  public:
   Forecast() = default;
@@ -33,7 +35,10 @@ class Forecast {
   void begin(const std::string& stage, std::uint64_t items);
 
   /// So many items more are done, which took so many seconds; not `fresh`: they were taken over and took none.
-  void done(std::uint64_t items, double seconds, bool fresh);
+  void done(std::uint64_t items, double seconds, bool fresh, double busy = 1);
+
+  /// Foresees the stage of that name anew, when it has as many items.
+  void improve(const Stage& stage);
 
   /// Seconds left of the run; of the stage alone where nothing is foreseen; nothing before anything is known.
   std::optional<double> left() const;
@@ -49,6 +54,7 @@ class Forecast {
   bool known_ = false;       // the present stage is one of them
   std::uint64_t items_ = 0, done_ = 0;
   double expected_ = 0, actual_ = 0;  // fading
+  double busy_ = 1;
 };
 
 }  // namespace pipeline

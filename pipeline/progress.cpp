@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
 
 #include "pipeline/error.hpp"
 #include "pipeline/print.hpp"
@@ -65,7 +66,9 @@ void Progress::add(std::uint64_t items, bool fresh) {
   if (items > 0) {
     done_ += items;
     if (fresh) fresh_ += items;
-    forecast_->done(items, std::chrono::duration<double>(now - added_).count(), fresh);
+    const double spent = double(std::clock() - spent_) / CLOCKS_PER_SEC;
+    const double busy = spent > 0.1 ? std::chrono::duration<double>(now - start_).count() / spent : 1;
+    forecast_->done(items, std::chrono::duration<double>(now - added_).count(), fresh, busy);
     added_ = now;
   }
   if (shown_.bar ? now - drawn_ > std::chrono::milliseconds(100) : now - last_line >= shown_.every) draw(now, false);

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <ctime>
 #include <mutex>
 #include <string>
 
@@ -56,6 +57,7 @@ class Progress {
   Shown shown_;
   Forecast own_, *forecast_;
   Clock::time_point start_ = Clock::now(), added_ = start_, drawn_ = {};
+  std::clock_t spent_ = std::clock();  // processor time of the program at the start
   std::mutex mutex_;
 };
 

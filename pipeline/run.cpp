@@ -72,7 +72,7 @@ void store(Result& result, Target& target, bool quiet, Forecast& forecast) {
 }
 
 /// Seconds for a trial of the stages, where somebody looks; little beside what a run takes that is worth it.
-constexpr double kTrial = 1;
+constexpr double kTrial = 0.6;
 
 /// A study: cases instead of a scene.
 Result run_study(const Config& config, const RunOptions& options, std::chrono::steady_clock::time_point start) {
@@ -156,6 +156,11 @@ Result run(const Config& config, const RunOptions& options) {
     }
   }
   result.bodies = std::move(scene.bodies);
+  // How long answers take is known better now that all poses are.
+  if (config.scene_kind->integrated && forecast.left().value_or(0) > 10 * kTrial)
+    for (const Stage& stage :
+         foreseen_stages(result.bodies, result.motion, config.algorithms, config.repeats, 0, planned, kTrial))
+      forecast.improve(stage);
   {
     Progress progress("truth", steps, options.quiet, &forecast);
     result.truth = decide(result.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);

@@ -149,9 +149,10 @@ Stage stage(const std::string& name, std::int64_t steps, double first, Of of) {
   return out;
 }
 
-/// By step, to what share of the bodies that anything happens to it has happened. Those that have `calmed` down count
-/// less and less: the motion is then integrated in longer steps, while the pile that they lie in is there to stay.
-std::vector<double> lively_shares(const Config& config, bool calmed) {
+/// By step, to what share of the bodies that anything happens to it has happened. Those that have calmed down count
+/// less and less: the motion is then integrated in longer steps, and what is near each other mostly meets, which is
+/// found sooner than that it does not.
+std::vector<double> lively_shares(const Config& config) {
   constexpr double kCalming = 0.5;  // of Ahead::lasts, to 1/e; measured on the third set of padani.toml
   const auto steps = std::size_t(config.steps);
   std::vector<double> share(steps, 0);
@@ -162,7 +163,7 @@ std::vector<double> lively_shares(const Config& config, bool calmed) {
     all += double(event.bodies) * double(event.times);
     for (std::size_t s = 0; s < steps; ++s) {
       const double since = double(s) - event.first - event.lasts;
-      const double left = calmed && since > 0 ? std::exp(-since / std::max(1.0, kCalming * event.lasts)) : 1;
+      const double left = since > 0 ? std::exp(-since / std::max(1.0, kCalming * event.lasts)) : 1;
       share[s] += left * double(event.bodies) * double(event.before(double(s + 1)));
     }
   }
@@ -218,14 +219,14 @@ std::vector<Stage> foreseen_stages(const Config& config, const Scene& scene, con
     };
     const MotionTrial early = try_states(false), late = try_states(true);
     const StepSeconds first = asked.step(early.poses), last = asked.step(late.poses);
-    const std::vector<double> share = lively_shares(config, false), moving = lively_shares(config, true);
+    const std::vector<double> moving = lively_shares(config);
     const double restarts = plan.restarts / double(steps);
     out.push_back(stage("motion", steps, 0, [&](std::int64_t s) {
       const double lively = moving[std::size_t(s)];
       return early.step + (late.step - early.step) * lively +
              restarts * (early.begin + (late.begin - early.begin) * lively);
     }));
-    for (std::int64_t s = 0; s < steps; ++s) cost.push_back(mixed(first, last, share[std::size_t(s)]));
+    for (std::int64_t s = 0; s < steps; ++s) cost.push_back(mixed(first, last, moving[std::size_t(s)]));
   } else {
     out.push_back(even("motion", std::uint64_t(steps), 0));
     cost = sampled(asked, scene.script, seconds / 2);
