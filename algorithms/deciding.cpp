@@ -70,6 +70,12 @@ Knob containment_knob() {
           .what = "bodies wholly inside others are hits too; follows truth.containment unless given"};
 }
 
+Memory deciding_memory(const Bodies& bodies, const Knobs&) {
+  const geometry::BvhsBytes hierarchies = geometry::bvhs_bytes(bodies);
+  const std::uint64_t held = hierarchies.held + geometry::broad_phase_bytes(bodies);
+  return {held, std::max(held, hierarchies.greatest)};
+}
+
 std::unique_ptr<Method> make_deciding(const Bodies& bodies, const Knobs& knobs, bool remembers) {
   return std::make_unique<Deciding>(bodies, value_of<bool>(knobs, kContainment), remembers);
 }

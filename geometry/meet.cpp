@@ -209,6 +209,16 @@ bool Decision::is_contained(const Body& a, std::uint32_t a_index, const Body& b,
          placed_inside(solid, placed_[0], closed, placed_[2]);
 }
 
+BvhsBytes bvhs_bytes(const Bodies& bodies) {
+  BvhsBytes out;
+  for (const Mesh& mesh : bodies.meshes) {
+    const std::uint64_t one = bvh_bytes(mesh.triangles.size());
+    out.greatest = std::max(out.greatest, out.held + static_cast<std::uint64_t>(kBuildingBvh * double(one)));
+    out.held += one;
+  }
+  return out;
+}
+
 std::vector<Bvh> build_bvhs(const Bodies& bodies) {
   std::vector<Bvh> out;
   for (const Mesh& mesh : bodies.meshes) out.push_back(build_bvh(mesh));

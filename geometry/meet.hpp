@@ -90,4 +90,10 @@ class Decision {
 
 std::vector<Bvh> build_bvhs(const Bodies& bodies);
 
+/// Bytes of build_bvhs, about; `greatest` while it builds.
+struct BvhsBytes {
+  std::uint64_t held = 0, greatest = 0;
+};
+BvhsBytes bvhs_bytes(const Bodies& bodies);
+
 }  // namespace geometry

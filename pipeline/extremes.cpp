@@ -117,6 +117,10 @@ Failed answer(const Stretch& range, const CaseSet& set, const AlgorithmChoice& c
     for (const auto column : {&ExtremeAnswers::swapped, &ExtremeAnswers::moved})
       (cases.*column).insert((cases.*column).end(), (said.*column).begin(), (said.*column).end());
     return kWell;
+  } catch (const OutOfMemory&) {
+    throw;
+  } catch (const std::bad_alloc&) {  // of this machine, not of the algorithm
+    throw OutOfMemory(choice, range.bodies);
   } catch (const Error& error) {
     if (error.code() != kInput) throw;  // Ctrl-C, a full disk
     if (cases.reason.empty()) cases.reason = error.what();

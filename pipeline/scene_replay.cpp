@@ -320,6 +320,16 @@ Scene make(const Config& config) {
   return scene;
 }
 
+std::vector<Ahead> ahead(const Config& config) {
+  const ReplayInputs& inputs = inputs_of(config);
+  std::vector<Ahead> out;
+  for (std::size_t b = 0; b < inputs.bodies.size(); ++b) {
+    const auto birth = std::ranges::find_if(inputs.poses, [b](const auto& step) { return geometry::is_born(step[b]); });
+    out.push_back({.what = "births", .first = double(birth - inputs.poses.begin())});
+  }
+  return out;
+}
+
 }  // namespace
 
 SceneKind replay_kind() {
@@ -330,6 +340,7 @@ SceneKind replay_kind() {
           .write = write,
           .size = size,
           .make = make,
+          .ahead = ahead,
           .complete = complete};
 }
 

@@ -656,16 +656,4 @@ Result read_result(const path& path, bool unsealed) {
   }
 }
 
-std::uint64_t estimated_bytes(std::uint64_t steps, std::uint64_t bodies, std::uint64_t algorithms,
-                              std::uint64_t mesh_bytes) {
-  constexpr std::uint64_t kHitsPerBody = 4;  // of one algorithm at one step; a heap at rest has about 3
-  constexpr std::uint64_t kPose = 7 * 8, kPair = 8, kColumn = 8;
-  constexpr std::uint64_t kNames = 1 << 16;                            // attributes, names, HDF5's own
-  const std::uint64_t list = kHitsPerBody * bodies * kPair + kColumn;  // the pairs of one step, and their offset
-  const std::uint64_t results = (std::size(kResultTimes) + std::size(kResultCounts) + 1) * kColumn;
-  const std::uint64_t physics =
-      (std::size(kPhysicsReals) + std::size(kPhysicsCounts) + std::size(kPhysicsTimes)) * kColumn;
-  return kNames + mesh_bytes + steps * (bodies * kPose + physics + (algorithms + 1) * list + algorithms * results);
-}
-
 }  // namespace pipeline

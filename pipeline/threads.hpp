@@ -1,5 +1,7 @@
 // Work on several threads.
 #pragma once
+#include <time.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <exception>
@@ -15,6 +17,13 @@ namespace pipeline {
 /// `wanted`, or for 0 as many as there are cores.
 inline int thread_count(int wanted) {
   return wanted > 0 ? wanted : int(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+/// Seconds of processor time that this thread has spent.
+inline double processor_seconds() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
 /// Calls work() on so many threads at once, this one among them. One that throws calls stop(), which should end the

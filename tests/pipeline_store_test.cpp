@@ -696,15 +696,6 @@ TEST_F(Store, KeepsTheOldFileWhenThereIsNoRoom) {
   EXPECT_EQ(files(), std::vector<std::string>{"result.h5"});
 }
 
-TEST(EstimatedBytes, CountPosesPairsAndColumns) {
-  // One step more costs 56 bytes a pose, (A + 1) lists of 4 pairs a body and an offset, 9 columns of results and 9 of
-  // physics.
-  const std::uint64_t bodies = 275, algorithms = 11;
-  const std::uint64_t step = bodies * 56 + (algorithms + 1) * (4 * bodies * 8 + 8) + algorithms * 9 * 8 + 9 * 8;
-  EXPECT_EQ(estimated_bytes(601, bodies, algorithms, 1000) - estimated_bytes(600, bodies, algorithms, 1000), step);
-  EXPECT_EQ(estimated_bytes(600, bodies, algorithms, 5000) - estimated_bytes(600, bodies, algorithms, 1000), 4000u);
-}
-
 // For the tests in Python: writes the made-up result where RESULT_FILE says, when it says so.
 TEST(SyntheticResult, CanBeLeftForOthers) {
   Result result = synthetic_result(50, 12, 3, 20);
