@@ -2,16 +2,15 @@
 // "Configuration".
 #include "pipeline/config.hpp"
 
+#include <fcntl.h>
+
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 #include <set>
 
 #include "pipeline/document.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/file_bytes.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/study.hpp"
 #include "pipeline/truth.hpp"
@@ -200,22 +199,12 @@ std::string effective(const Config& c) {
   return out.text;
 }
 
-/// The file's bytes, at most kMostBytes + 1 of them.
 std::string bytes_of(const std::filesystem::path& path) {
-  const std::string file = one_line(path.string(), 4096);
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!stream) throw Error(kInput, file + ": the configuration cannot be opened: " + std::strerror(errno));
-  std::string text;
-  char block[1 << 16];
-  while (text.size() <= kMostBytes) {
-    const std::size_t got = std::fread(block, 1, sizeof block, stream.get());
-    if (got == 0) break;
-    text.append(block, got);
+  try {
+    return read_regular(AT_FDCWD, path, /*follow_links=*/true, kMostBytes);
+  } catch (const FileFailure& failure) {
+    throw Error(kInput, one_line(path.string(), 4096) + ": the configuration " + failure.what() + "; name a TOML file");
   }
-  // fopen opens folders; reading them fails.
-  if (std::ferror(stream.get()))
-    throw Error(kInput, file + ": the configuration cannot be read: " + std::strerror(errno));
-  return text;
 }
 
 }  // namespace

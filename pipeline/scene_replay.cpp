@@ -3,17 +3,16 @@
 //
 // Keys are read without touching the files they name, because a result's own configuration is read again long after
 // they are gone. The files are read once, when the configuration is (complete), and kept with it.
+#include <fcntl.h>
+
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 #include <set>
 
 #include "geometry/contain.hpp"
 #include "geometry/mesh_file.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/file_bytes.hpp"
 #include "pipeline/poses_csv.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/scene.hpp"
@@ -25,8 +24,11 @@ namespace pipeline {
 /// What the files of a replayed scene hold.
 struct ReplayInputs {
   geometry::Bodies bodies;
-  std::vector<std::vector<geometry::Pose>> poses;  // all steps x B
+  CsvMotion csv;
+  std::vector<std::vector<geometry::Pose>> poses;  // S x B, of an earlier result; else empty
   std::optional<double> rate;                      // of an earlier result
+
+  std::int64_t steps() const { return poses.empty() ? csv.steps : std::int64_t(poses.size()); }
 };
 
 namespace {
@@ -76,14 +78,14 @@ ReplayBody read_body(const Section& s) {
 }
 
 void read(const Section& s, Config& config) {
-  s.only({"kind", "poses", "motion", "only", "body"});
+  s.only({"kind", "poses", "motion", "only", "half_turns", "body"});
   ReplayScene scene;
   scene.only = s.texts("only");
   if (s.has("only") && scene.only.empty()) s.refuse("only", "name at least one body", "leave it out for all pairs");
   if (s.has("only")) scene.only_place = place_of(s, "only");
   if (s.has("motion")) {
     const std::string remedy = "bodies, meshes and poses are those of that result";
-    for (const char* key : {"poses", "body"})
+    for (const char* key : {"poses", "half_turns", "body"})
       if (s.has(key)) s.refuse(key, "be absent where 'motion' is given", remedy);
     scene.motion = s.text("motion", "");
     if (scene.motion.empty()) s.refuse("motion", "name a result file");
@@ -94,6 +96,7 @@ void read(const Section& s, Config& config) {
     scene.poses = s.text("poses", "");
     if (scene.poses.empty()) s.refuse("poses", "name a CSV file");
     scene.place = place_of(s, "poses");
+    scene.half_turns = s.boolean("half_turns", false);
     std::set<std::string> taken;
     for (const Section& t : s.sections("body")) {
       scene.bodies.push_back(read_body(t));
@@ -113,6 +116,7 @@ void write(const Config& config, TomlText& out) {
     out.line("poses", scene.poses);
   else
     out.line("motion", scene.motion);
+  if (scene.half_turns) out.line("half_turns", true);
   if (!scene.only.empty()) out.list("only", scene.only);
   for (const ReplayBody& body : scene.bodies) {
     out.table("[[scene.body]]");
@@ -138,19 +142,13 @@ struct Input {
 /// Reads the file that the key at `place` names and keeps its hash.
 Input read_input(Config& config, const std::string& written, const std::string& place) {
   const fs::path path = config.path.parent_path() / written;
-  const auto refuse = [&](const char* why) {
-    throw Error(kInput, place + " must name a file that can be read, not " + in_quotes(one_line(written)) + ": " +
-                            one_line(path.string(), 4096) + ": " + why);
-  };
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!stream) refuse(std::strerror(errno));
   Input input{.path = one_line(path.string(), 4096), .bytes = {}};
-  std::error_code error;
-  if (const auto size = fs::file_size(path, error); !error) input.bytes.reserve(size);
-  std::vector<char> block(1 << 20);
-  while (const std::size_t got = std::fread(block.data(), 1, block.size(), stream.get()))
-    input.bytes.append(block.data(), got);
-  if (std::ferror(stream.get())) refuse(std::strerror(errno));  // fopen opens folders; reading them fails
+  try {
+    input.bytes = read_regular(AT_FDCWD, path, /*follow_links=*/true, machine_memory() / 2);
+  } catch (const FileFailure& failure) {
+    throw Error(kInput, place + " must name a file that can be read, not " + in_quotes(one_line(written)) + ": " +
+                            input.path + ": " + failure.what());
+  }
   config.inputs[written] = sha256(input.bytes);
   return input;
 }
@@ -181,8 +179,10 @@ geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
         mesh = make_mesh(*body.shape, body.name);
       } else {
         const Input input = read_input(config, body.mesh, body.place);
+        std::string said;
         try {
-          mesh = geometry::parse_mesh(input.bytes, input.path, body.name);
+          mesh = geometry::parse_mesh(input.bytes, input.path, body.name, &said);
+          if (!said.empty()) config.notes.push_back(said);
         } catch (const geometry::MeshFileError& error) {
           throw Error(kInput, error.what());
         }
@@ -200,22 +200,27 @@ geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
   return bodies;
 }
 
-std::vector<std::vector<geometry::Pose>> load_poses(Config& config, const ReplayScene& scene) {
+CsvMotion load_poses(Config& config, const ReplayScene& scene) {
   std::vector<CsvBody> bodies;
   for (const ReplayBody& body : scene.bodies)
     bodies.push_back({body.name, !body.fixed     ? CsvBody::every_step
                                  : body.position ? CsvBody::none
                                                  : CsvBody::first_step});
   const Input input = read_input(config, scene.poses, scene.place);
-  auto poses = parse_poses(input.bytes, input.path, bodies);
+  CsvMotion motion = parse_poses(input.bytes, input.path, bodies);
+  if (motion.begins_with_half_turns && !scene.half_turns)
+    config.notes.push_back(input.path +
+                           ": the first quaternion of every body has qw = 0, a half turn: are they in the order of "
+                           "the header? If they are x, y, z, w, let the header end with qx,qy,qz,qw; if half turns are "
+                           "meant, set scene.half_turns = true");
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b].rows != CsvBody::none) continue;
     const auto& t = *scene.bodies[b].position;
     const auto& q = scene.bodies[b].orientation;
-    const geometry::Pose pose{geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}};
-    for (auto& step : poses) step[b] = pose;
+    motion.tracks[b] = {
+        .first = 0, .stays = true, .poses = {{geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}}}};
   }
-  return poses;
+  return motion;
 }
 
 void load_result(Config& config, const ReplayScene& scene, ReplayInputs& inputs) {
@@ -236,7 +241,7 @@ std::shared_ptr<const ReplayInputs> load(Config& config) {
     load_result(config, scene, *inputs);
   } else {
     inputs->bodies = load_bodies(config, scene);
-    inputs->poses = load_poses(config, scene);
+    inputs->csv = load_poses(config, scene);
   }
   if (scene.only.empty()) return inputs;
   geometry::Bodies& bodies = inputs->bodies;
@@ -253,7 +258,7 @@ std::shared_ptr<const ReplayInputs> load(Config& config) {
 
 void complete(Config& config) {
   auto inputs = load(config);
-  const std::int64_t steps = std::int64_t(inputs->poses.size());
+  const std::int64_t steps = inputs->steps();
   ReplayScene& scene = std::get<ReplayScene>(config.scene);
   if (config.steps_place.empty())
     config.steps = steps;
@@ -286,7 +291,10 @@ Scene make(const Config& config) {
   const ReplayInputs& inputs = inputs_of(config);
   Scene scene;
   scene.bodies = inputs.bodies;
-  scene.script.assign(inputs.poses.begin(), inputs.poses.begin() + config.steps);
+  if (inputs.poses.empty())
+    scene.script = poses_of(inputs.csv, config.steps);
+  else
+    scene.script.assign(inputs.poses.begin(), inputs.poses.begin() + config.steps);
   return scene;
 }
 

@@ -266,18 +266,22 @@ TEST(ConfigErrors, RefusesFilesThatAreNoText) {
   fs::create_directories(folder);
   const auto error = [](const fs::path& path) { return error_of([&] { read_config(path); }); };
   EXPECT_EQ(error(folder / "none.toml"),
-            "3 " + (folder / "none.toml").string() + ": the configuration cannot be opened: No such file or directory");
-  EXPECT_EQ(error(folder), "3 " + folder.string() + ": the configuration cannot be read: Is a directory");
+            "3 " + (folder / "none.toml").string() +
+                ": the configuration cannot be read (No such file or directory); name a TOML file");
+  EXPECT_EQ(error(folder),
+            "3 " + folder.string() + ": the configuration is a folder, not a regular file; name a TOML file");
 
   const fs::path big = folder / "big.toml";
   std::ofstream(big) << kScene;
   EXPECT_EQ(read_config(big).steps, 600);
   fs::resize_file(big, (16 << 20) + 1);
-  EXPECT_EQ(error(big), "3 " + big.string() + ": a configuration must be at most 16 MiB long, not more");
+  EXPECT_EQ(error(big),
+            "3 " + big.string() +
+                ": the configuration has 16777217 bytes; such a file has at most 16777216; name a TOML file");
 
   if (::geteuid() != 0) {  // root may read everything
     fs::permissions(big, fs::perms::none);
-    EXPECT_NE(error(big).find("cannot be opened: Permission denied"), std::string::npos);
+    EXPECT_NE(error(big).find("cannot be read (Permission denied)"), std::string::npos);
   }
   fs::remove_all(folder);
 }
