@@ -179,6 +179,8 @@ class Lines {
  public:
   Lines(std::string_view text, Builder& builder, char comment) : rest_(text), builder_(&builder), comment_(comment) {
     if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+    if (rest_.starts_with("\xFE\xFF") || rest_.starts_with("\xFF\xFE"))
+      fail("is text in UTF-16; save it as ASCII or UTF-8");
     const std::size_t end = rest_.find_first_of("\r\n");
     lone_cr_ = end != std::string_view::npos && rest_.substr(end, 2) != "\r\n" && rest_[end] == '\r';
   }

@@ -494,6 +494,7 @@ TEST(MeshFile, RefusesWithFileAndLine) {
       {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nend_header\n", "a.ply",
        "a.ply:5: the header must announce vertices with x, y, z and faces with a list vertex_indices"},
       {"ply\nformat ascii 1.0\nelement vertex 3\nproperty real x\n", "a.ply", "a.ply:4: 'real' is not a type of PLY"},
+      {std::string("\xFF\xFEv\0 \0", 6), "a.obj", "a.obj:1: is text in UTF-16; save it as ASCII or UTF-8"},
       {kObj, "a.fbx", "a.fbx: is no kind of mesh file that is read; name a file .obj, .off, .stl or .ply"},
       {kObj, "mesh", "mesh: is no kind of mesh file that is read; name a file .obj, .off, .stl or .ply"},
   };
