@@ -3,9 +3,9 @@
 // Why it is right. Triangles whose corners are chained as ears are cut have the outline as the boundary of their sum.
 // So where each of them turns the same way as the polygon, or not at all, they cover every point as often as the
 // outline winds around it: exactly the inside, once, when the outline winds around each point once or never. Both
-// conditions are checked, the first as ears are cut, the second by a sweep before (outline_of). An outline that passes
-// through itself, at whatever point, has three different winding numbers around it, so the second is also the question
-// whether it crosses itself; touching is allowed.
+// conditions are checked, the first as ears are cut, the second by a sweep before (Sweep). An outline that passes
+// through itself has three different winding numbers around the place, or does so where it runs back on itself, which
+// the sweep finds as two bundles of edges that cross. Touching is allowed.
 #include "geometry/polygon.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -14,6 +14,7 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <queue>
@@ -111,12 +112,16 @@ bool fan_stays_inside(const Points& p) {
 
 // ---- Does the outline cross itself? ------------------------------------------------------------------------------
 
+/// Whether the inside is on the inner side of an edge, near one of its ends. It is not along a bridge of no width
+/// between two parts, where the outline runs back beside itself. Where two edges lie on each other in one direction it
+/// is on that of one of them only.
+enum class Side : char { outside, inside, unknown };
+
 /// An outline that winds around each point once or never, in one direction.
 struct Outline {
-  int sign = 0;  // 1: counter-clockwise; -1: clockwise; 0: without area
-  // Of the edge from each corner to the next, near either end: the inside is on its inner side. It is not along a
-  // bridge of no width between two parts, where the outline runs back beside itself.
-  std::vector<char> at_start, at_end;
+  int sign = 0;                        // 1: counter-clockwise; -1: clockwise; 0: without area
+  std::vector<Side> at_start, at_end;  // of the edge from each corner to the next
+  std::vector<Index> place;            // of each corner; those in one place have one number
 };
 
 /// A sweep from left to right over the edges, which are kept in their order from below to above. Edges on one line are
@@ -128,14 +133,15 @@ class Sweep {
 
   std::optional<Outline> outline() {
     const std::size_t n = p_.size();
-    out_.at_start.assign(n, 0);
-    out_.at_end.assign(n, 0);
+    out_.at_start.assign(n, Side::outside);
+    out_.at_end.assign(n, Side::outside);
+    out_.place.resize(n);
     std::vector<Index> order(n);
     std::iota(order.begin(), order.end(), Index(0));
     std::sort(order.begin(), order.end(), [&](Index a, Index b) { return before(p_[a], p_[b]); });
     for (std::size_t i = 0; i < n;) {
       const std::size_t from = i;
-      while (i < n && p_[order[i]] == p_[order[from]]) ++i;
+      while (i < n && p_[order[i]] == p_[order[from]]) out_.place[order[i++]] = Index(from);
       if (!pass(std::span(order).subspan(from, i - from))) return std::nullopt;
     }
     return std::move(out_);
@@ -167,10 +173,14 @@ class Sweep {
   bool upward(Index edge) const { return before(start(edge), end(edge)); }
   const Point& farther(Index edge) const { return upward(edge) ? end(edge) : start(edge); }
 
-  /// Notes whether the inside is on the inner side of the edge's end at `p`.
-  void note(Index edge, const Point& p, int below, int above) {
-    const bool inside = out_.sign * ((out_.sign > 0) == upward(edge) ? above : below) == 1;
-    (p == start(edge) ? out_.at_start : out_.at_end)[edge] = inside;
+  /// Notes on which side of the edge the inside is at its end at `p`.
+  void note(Index edge, const Point& p, const Bundle& bundle) {
+    const int net = bundle.above - bundle.below, all = int(bundle.edges.size());
+    const bool alone = (upward(edge) ? all + net : all - net) == 2;
+    const bool inside = out_.sign * ((out_.sign > 0) == upward(edge) ? bundle.above : bundle.below) == 1;
+    (p == start(edge) ? out_.at_start : out_.at_end)[edge] = !inside ? Side::outside
+                                                             : alone ? Side::inside
+                                                                     : Side::unknown;
   }
 
   static bool cross(const Bundle& a, const Bundle& b) {
@@ -188,7 +198,7 @@ class Sweep {
     for (auto bundle = first; bundle != last; ++bundle)
       for (const Index edge : bundle->edges) {
         if (farther(edge) == p)
-          note(edge, p, bundle->below, bundle->above);
+          note(edge, p, *bundle);
         else
           leaving_.push_back(edge);
       }
@@ -213,7 +223,7 @@ class Sweep {
       if (out_.sign == 0) out_.sign = winding;
       if (winding * out_.sign < 0 || std::abs(winding) > 1) return false;
       for (const Index edge : bundle.edges)
-        if (start(edge) == p || end(edge) == p) note(edge, p, bundle.below, bundle.above);
+        if (start(edge) == p || end(edge) == p) note(edge, p, bundle);
       const auto added = active_.insert(last, std::move(bundle));
       if (neighbour == last) neighbour = added;  // the lowest of the new ones
     }
@@ -314,20 +324,30 @@ class PointTree2 {
   std::vector<char> on_;
 };
 
-/// Cuts a counter-clockwise outline that does not cross itself. `inside` says of the edge that leaves each corner
-/// whether the inside is to its left there.
+/// Cuts a counter-clockwise outline that does not cross itself. `side` is that of the edge that leaves each corner,
+/// there; `place` as in Outline.
 class Ears {
  public:
-  Ears(const Points& points, std::vector<char> inside)
-      : p_(points), inside_(std::move(inside)), tree_(points), next_(points.size()), last_(points.size()) {
+  /// Which ear is cut first: by its third side, or by its corner's number.
+  enum class Order { shortest, longest, number };
+
+  Ears(const Points& points, std::vector<Side> side, std::vector<Index> place, Order order)
+      : p_(points),
+        order_(order),
+        side_(std::move(side)),
+        place_(std::move(place)),
+        tree_(points),
+        next_(points.size()),
+        last_(points.size()),
+        at_place_(points.size(), 0) {
     for (Index i = 0; i < p_.size(); ++i) {
       next_[i] = i + 1 == p_.size() ? 0 : i + 1;
       last_[next_[i]] = i;
+      ++at_place_[place_[i]];
     }
   }
 
-  /// Hands corners (u, v, w) to `out`, the ear with the shortest third side first, as that keeps triangles small; false
-  /// when no ear is found any more.
+  /// Hands corners (u, v, w) to `out`; false when no ear is found any more.
   ///
   /// Whether a corner is an ear changes only with its neighbours: what is in its triangle and then cut off leaves an
   /// edge behind that has an end in the triangle. So a corner is asked anew only after a neighbour went.
@@ -351,14 +371,11 @@ class Ears {
       if (gone_[v] || time != asked_[v] || !(runs_back(v) || is_ear(v))) continue;
       const Index u = last_[v], w = next_[v];
       out(u, v, w);
-      // The edge from u to w has the inside to its left, or lies on one of the two that it replaces.
-      if (turn(p_[u], p_[v], p_[w]) != 0)
-        inside_[u] = 1;
-      else if (p_[u] == p_[v] || between(p_[v], p_[u], p_[w]))
-        inside_[u] = inside_[v];
+      side_[u] = Side::unknown;
       next_[u] = w;
       last_[w] = u;
       gone_[v] = 1;
+      --at_place_[place_[v]];
       tree_.set(v, false);
       for (const Index i : {u, w}) {
         tree_.set(i, !convex(i));
@@ -389,7 +406,9 @@ class Ears {
   void wait(Index v) {
     const Point &u = p_[last_[v]], &w = p_[next_[v]];
     const double x = w.x() - u.x(), y = w.y() - u.y();
-    queue_.push({runs_back(v) ? -1 : x * x + y * y, v, ++asked_[v]});
+    const double square = x * x + y * y;
+    const double rank = order_ == Order::shortest ? square : order_ == Order::longest ? -square : 0;
+    queue_.push({runs_back(v) ? -kInfinity : rank, v, ++asked_[v]});
   }
   void wait_all() {
     for (Index v = 0; v < p_.size(); ++v)
@@ -407,14 +426,36 @@ class Ears {
     return false;
   }
 
+  /// The triangle of v, in which nothing of the outline is, is inside. It can only be outside where both edges of v
+  /// have others lying on them, so only where another corner is in the place of v. Else an end of the outline is
+  /// counted: the way to a point in the triangle, if it is so thick that a double is in it.
+  bool is_inside(Index v) const {
+    if (side_[v] != Side::unknown) return side_[v] == Side::inside;
+    if (at_place_[place_[v]] == 1) return true;
+    const Point &u = p_[last_[v]], &m = p_[v], &w = p_[next_[v]];
+    const Point x((u.x() + m.x() + w.x()) / 3, (u.y() + m.y() + w.y()) / 3);
+    if (turn(u, m, x) <= 0 || turn(m, w, x) <= 0 || turn(w, u, x) <= 0) return true;
+    int winding = 0;
+    Index i = v;
+    do {
+      const Point &a = p_[i], &b = p_[next_[i]];
+      if ((a.y() > x.y()) != (b.y() > x.y())) {
+        const int up = b.y() > a.y() ? 1 : -1;
+        if (turn(a, b, x) == up) winding += up;  // the edge is to the right of x
+      }
+      i = next_[i];
+    } while (i != v);
+    return winding == 1;
+  }
+
   /// Nothing of the outline is within the triangle of v. It would come in by the edge from w to u, and its corner that
   /// is farthest from there is not convex: only such ones are looked at. One on that edge would make the next triangles
   /// flat, so it counts too as long as there are other ears.
   bool is_ear(Index v) const {
     const Index a = last_[v], b = next_[v];
-    if (!convex(v) || !inside_[v]) return false;
+    if (!convex(v) || side_[v] == Side::outside) return false;
     const Point &u = p_[a], &m = p_[v], &w = p_[b];
-    return !tree_.any({u, m, w}, [&](Index i) {
+    const bool blocked = tree_.any({u, m, w}, [&](Index i) {
       if (i == a || i == v || i == b) return false;
       const Point& p = p_[i];
       const int um = turn(u, m, p), mw = turn(m, w, p), wu = turn(w, u, p);
@@ -427,15 +468,21 @@ class Ears {
       if (wu == 0) return !touching_ || goes_left(i, w, u);
       return true;
     });
+    return !blocked && is_inside(v);
   }
 
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
   const Points& p_;
-  std::vector<char> inside_;
+  Order order_;
+  std::vector<Side> side_;
+  std::vector<Index> place_;
   PointTree2 tree_;
   std::vector<Index> next_, last_;
+  std::vector<Index> at_place_;  // how many corners are still there
   std::vector<char> gone_;
   std::vector<Index> asked_;  // how often a corner was put into the queue: only its last entry counts
-  using Entry = std::tuple<double, Index, Index>;  // square of the third side, corner, asked_
+  using Entry = std::tuple<double, Index, Index>;  // rank, corner, asked_
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
   bool touching_ = false;
 };
@@ -445,16 +492,24 @@ bool cut_ears(Points p, std::span<const Index> corners, std::span<Facet> out) {
   if (!outline) return false;
   const std::size_t n = p.size();
   const bool clockwise = outline->sign < 0;
-  std::vector<char> inside = std::move(outline->at_start);
+  std::vector<Side> side = outline->at_start;
   if (clockwise) {  // from its last corner to its first
     std::reverse(p.begin(), p.end());
-    for (std::size_t i = 0; i < n; ++i) inside[i] = outline->at_end[(2 * n - 2 - i) % n];
+    std::reverse(outline->place.begin(), outline->place.end());
+    for (std::size_t i = 0; i < n; ++i) side[i] = outline->at_end[(2 * n - 2 - i) % n];
   }
   const auto corner = [&](Index i) { return corners[clockwise ? n - 1 - i : i]; };
-  std::size_t done = 0;
-  return Ears(p, std::move(inside)).cut([&](Index u, Index v, Index w) {
-    out[done++] = clockwise ? Facet{corner(w), corner(v), corner(u)} : Facet{corner(u), corner(v), corner(w)};
-  });
+  // The shortest first, as that keeps triangles small. Where walls of no width lie on each other in several layers it
+  // may come to an end before all is cut (1 of 3000 random ones of the kind); then another order nearly always does
+  // not.
+  for (const Ears::Order order : {Ears::Order::shortest, Ears::Order::longest, Ears::Order::number}) {
+    std::size_t done = 0;
+    if (Ears(p, side, outline->place, order).cut([&](Index u, Index v, Index w) {
+          out[done++] = clockwise ? Facet{corner(w), corner(v), corner(u)} : Facet{corner(u), corner(v), corner(w)};
+        }))
+      return true;
+  }
+  return false;
 }
 
 }  // namespace

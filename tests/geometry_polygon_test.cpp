@@ -345,6 +345,52 @@ TEST(Polygon, RandomMazesAreCovered) {
   }
 }
 
+namespace {
+
+/// A maze some of whose corridors and walls have no width, others one: its outline touches itself in corners and along
+/// whole edges, and is walked over and over. The limit of outlines that do not cross themselves.
+Flat squeezed_maze(std::mt19937_64& random) {
+  const int size = 2 + int(random() % 4);
+  Flat p = maze(size, random);
+  const unsigned thin = 1 + unsigned(random() % 3);  // of four lines
+  std::vector<double> x{0}, y{0};
+  for (int i = 0; i < 2 * size; ++i) {
+    x.push_back(x.back() + (random() % 4 < thin ? 0 : 1));
+    y.push_back(y.back() + (random() % 4 < thin ? 0 : 1));
+  }
+  for (auto& [u, v] : p) u = x[std::size_t(2 * u)], v = y[std::size_t(2 * v)];
+  return turned(p, random() % p.size(), random() % 2);
+}
+
+}  // namespace
+
+TEST(Polygon, MazesOfNoWidthAreCovered) {
+  std::mt19937_64 random(20220801);
+  for (int k = 0; k < 400; ++k) {
+    const Flat p = squeezed_maze(random);
+    const Cut result = cut(p, upright);
+    EXPECT_FALSE(result.facts.crosses_itself) << k;
+    expect_covered(p, result.triangles, "squeezed maze " + std::to_string(k));
+  }
+}
+
+// Whatever the corners: the polygon is covered, or it is named. Half of these wind around some point otherwise than
+// once in one direction, which no triangles that turn one way cover.
+TEST(Polygon, IsCoveredOrNamedWhateverItIs) {
+  const std::uint64_t seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937_64 random(seed);
+  for (int k = 0; k < 1000; ++k) {
+    Flat p;
+    if (k % 4 == 0) p = squeezed_maze(random);
+    const int side = 3 + int(random() % 4);
+    for (std::uint64_t left = k % 4 == 0 ? 0 : 4 + random() % 6; left > 0; --left)
+      p.emplace_back(random() % side, random() % side);
+    const Cut result = cut(p, upright);
+    if (!result.facts.crosses_itself) expect_covered(p, result.triangles, std::to_string(k));
+  }
+}
+
 // The way around a tree without width: everything runs back, nothing is covered.
 TEST(Polygon, ATreeWithoutWidthHasNoArea) {
   std::mt19937_64 random(7);
