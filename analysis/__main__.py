@@ -1,4 +1,4 @@
-"""python3 -m analysis: what the results say, printed or as a page.
+"""scripts/analysis: what the results say, printed or as a page.
 
 Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit
 the file, 4 a file that is missing, not a result or cannot be written.
@@ -16,7 +16,7 @@ KINDS = ("box", "falling", "playground")
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python3 -m analysis", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(prog="scripts/analysis", description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(dest="command", required=True)
     command = commands.add_parser("statements", help="judge the thesis's statements on results")
     command.add_argument("file", nargs="+", help="results of the box, falling and playground scenes, one of each")

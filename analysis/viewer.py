@@ -39,7 +39,7 @@ class Uninstalled(Unfit):
 
 
 def add_command(commands):
-    """Adds the command `scene` to the subparsers of python3 -m analysis."""
+    """Adds the command `scene` to the subparsers of scripts/analysis."""
     command = commands.add_parser("scene", help="a page that shows the bodies of a step in 3D, wrong answers coloured")
     command.add_argument("file", help="a result")
     command.add_argument("--step", type=int, help="opens there; without it where the algorithm errs most")
@@ -159,7 +159,8 @@ def _window_bytes(run, first, end):
 
 
 def _page_data(run, first, end):
-    """What viewer.js draws, in metres; positions and vertices are Float32 about centres taken off in doubles."""
+    """What viewer.js draws: positions and vertices are Float32, in units of `unit` metres about centres taken off in
+    doubles. A mesh's centre and the scene's are in metres."""
     with h5py.File(run.path) as file:
         position = file["motion/position"][first:end]
         orientation = file["motion/orientation"][first:end]
@@ -180,12 +181,14 @@ def _page_data(run, first, end):
     big = table["fixed"].to_numpy() & (radius > BIG * (np.median(moving) if len(moving) else np.inf))
     number = [names.index(mesh) for mesh in mesh_of]
     local = np.array([meshes[n]["centre"] for n in number])
-    for mesh in meshes:
-        mesh["centre"] = mesh["centre"].tolist()
     at = turned(orientation, local) + position
     born = at[np.isfinite(at).all(axis=-1)]
     centre = np.median(born, axis=0) if len(born) else np.zeros(3)
-    poses = np.concatenate([orientation, at - centre], axis=-1)
+    unit = _unit([np.abs(mesh["vertices"]).max() for mesh in meshes], np.abs(born - centre).max(initial=0))
+    poses = np.concatenate([orientation, (at - centre) / unit], axis=-1)
+    for mesh in meshes:
+        mesh["centre"] = mesh["centre"].tolist()
+        mesh["vertices"] = _base64((mesh["vertices"] / unit).astype("<f4"))
     wide = len(mesh_of) > 0xFFFF
     kinds = {}
     for label, reported in answers.items():
@@ -206,6 +209,7 @@ def _page_data(run, first, end):
         "steps": run.meta["steps"],
         "rate": run.meta["rate"],
         "centre": centre.tolist(),
+        "unit": unit,
         "containment": str(containment),
         "meshes": meshes,
         "bodies": [
@@ -224,6 +228,22 @@ def _page_data(run, first, end):
     }  # fmt: skip
 
 
+def _unit(sizes, far):
+    """The length in metres that is drawn as 1, a power of two, so that the division rounds nothing.
+
+    Graphics cards reckon in single precision, and a normal is the product of two edges whose length is squared: below
+    some 1e-8 that is 0 and the surface black, above 1e11 infinite. So the least size and the greatest length lie as
+    far below 1 as above; where they are too far apart, what is small is given up, never what is large.
+    sizes: of meshes, half their greatest side; far: how far from the scene's middle bodies are.
+    """
+    sizes = [float(size) for size in sizes if size > 0]
+    most = max([*sizes, float(far)])
+    if most == 0:
+        return 1.0
+    between = (np.log2(min(sizes, default=most)) + np.log2(most)) / 2
+    return float(2.0 ** np.round(max(between, np.log2(most) - 30)))
+
+
 def turned(quaternion, vector):
     """Vectors (..., 3) turned by unit quaternions (..., 4) w x y z, in doubles."""
     axis, w = quaternion[..., 1:], quaternion[..., :1]
@@ -238,7 +258,7 @@ def _mesh(name, group):
     return {
         "name": name,
         "centre": centre,
-        "vertices": _base64((vertices - centre).astype("<f4")),
+        "vertices": vertices - centre,
         "triangles": _base64(triangles.astype("<u4")),
     }
 

@@ -30,6 +30,9 @@
 namespace pipeline {
 namespace {
 
+constexpr char kQuiet[] = "No progress on stderr; the result is printed all the same";
+constexpr char kDigests[] = "Print the digest of every group and label, not of the whole alone (--json has them all)";
+
 void on_signal(int signal) {
   stop_wanted = true;
   std::signal(signal, SIG_DFL);  // a second one ends the program at once; the part stays resumable
@@ -45,8 +48,28 @@ void warn(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) std::fprintf(stderr, "warning: %s\n", line.c_str());
 }
 
-int finish(const Result& result, const std::string& path, bool json) {
-  put(json ? result_json(result, path) : result_text(result) + "\n" + path + "\n");
+/// What is wrong with the words of the command line, and whose help tells more: of the last command that they name.
+std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = &app;
+  std::string called = app.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    called += " " + command->get_name();
+  }
+  std::string text = error.what();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error)) {  // CLI11 lists them in an order that is not the command line's
+    text.clear();
+    for (const std::string& word : app.remaining(true)) text += (text.empty() ? "" : " ") + word;
+    text += ": not expected here";
+    for (const CLI::Option* option : command->get_options())
+      if (option->count() > 0 && option->get_items_expected_max() > 1)
+        text += "; " + option->get_name() + " takes one value, and is repeated for more";
+  }
+  return text + "; see " + called + " --help";
+}
+
+int finish(const Result& result, const std::string& path, bool json, bool digests) {
+  put(json ? result_json(result, path) : result_text(result, digests) + "\n" + path + "\n");
   const std::vector<std::string> bad = failures(result);
   for (const std::string& line : bad) std::fprintf(stderr, "%s: %s\n", path.c_str(), line.c_str());
   return bad.empty() ? kDone : kFailed;
@@ -105,35 +128,41 @@ int dispatch(int argc, const char* const* argv) {
   std::vector<std::string> sets, added;
   RunOptions options;
   std::string output;
-  bool json = false;
+  bool json = false, digests = false;
 
   CLI::App* run_command = app.add_subcommand("run", "Simulate, decide, detect, score and store one configuration");
   run_command->add_option("CONFIG", config_path, "TOML file, see configs/")->required();
   run_command->add_option("-o,--output", output, "Result file (default: results/<config name>.h5)");
-  run_command->add_option("--set", sets, "Overrule a key: --set physics.accuracy=1e-4")->allow_extra_args(false);
+  run_command->add_option("--set", sets, "Overrule a key: --set physics.accuracy=1e-4; repeated for more")
+      ->option_text("KEY=VALUE")
+      ->allow_extra_args(false);
   run_command
       ->add_option("--threads", options.threads,
                    "Threads of the truth stage, cases of a study at a time (0: all cores)")
       ->check(CLI::Range(0, 1024));
   run_command->add_flag("--force", options.force, "Replace an existing result, discard another unfinished run");
-  run_command->add_flag("--quiet", options.quiet, "No progress on stderr");
+  run_command->add_flag("--quiet", options.quiet, kQuiet);
+  run_command->add_flag("--digests", digests, kDigests);
   run_command->add_flag("--json", json, "Print the summary as JSON");
 
   CLI::App* check_command = app.add_subcommand("check", "Validate a configuration and say what would run");
   check_command->add_option("CONFIG", config_path, "TOML file")->required();
   check_command->add_option("-o,--output", output, "Result file that would be written");
-  check_command->add_option("--set", sets, "Overrule a key")->allow_extra_args(false);
+  check_command->add_option("--set", sets, "Overrule a key; repeated for more")
+      ->option_text("KEY=VALUE")
+      ->allow_extra_args(false);
   check_command->add_flag("--json", json, "Print JSON");
 
   CLI::App* detect_command =
       app.add_subcommand("detect", "Add or repeat algorithms on the motion and truth of an existing result");
   detect_command->add_option("FILE", file, "Result file")->required();
   detect_command
-      ->add_option("--algorithm", added,
-                   "NAME[:knob=value,...][@LABEL]; repeatable. None: those of the file's configuration")
+      ->add_option("--algorithm", added, "One algorithm; repeated for more. None: those of the file's configuration")
+      ->option_text("NAME[:knob=value,...][@LABEL]")
       ->allow_extra_args(false);
   detect_command->add_flag("--force", options.force, "Replace answers whose label exists");
-  detect_command->add_flag("--quiet", options.quiet, "No progress on stderr");
+  detect_command->add_flag("--quiet", options.quiet, kQuiet);
+  detect_command->add_flag("--digests", digests, kDigests);
   detect_command->add_flag("--json", json, "Print the summary as JSON");
 
   CLI::App* list_command = app.add_subcommand("list", "List what configurations can name");
@@ -142,8 +171,9 @@ int dispatch(int argc, const char* const* argv) {
       ->check(CLI::IsMember({"algorithms", "scenes", "shapes", "integrators", "problems"}));
   list_command->add_flag("--json", json, "Print JSON");
 
-  CLI::App* show_command = app.add_subcommand("show", "Summary, provenance and digests of a result");
+  CLI::App* show_command = app.add_subcommand("show", "Summary, provenance and digest of a result");
   show_command->add_option("FILE", file, "Result file, or the FILE.part of an unfinished run")->required();
+  show_command->add_flag("--digests", digests, kDigests);
   show_command->add_flag("--json", json, "Print JSON");
 
   VerifyOptions verify_options;
@@ -157,7 +187,7 @@ int dispatch(int argc, const char* const* argv) {
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 62));
   verify_command->add_flag("--all", verify_options.all, "All pairs")->excludes("--pairs");
   verify_command->add_option("--threads", options.threads, "0: all cores")->check(CLI::Range(0, 1024));
-  verify_command->add_flag("--quiet", options.quiet, "No progress on stderr");
+  verify_command->add_flag("--quiet", options.quiet, kQuiet);
   verify_command->add_flag("--json", json, "Print JSON");
 
   std::string baseline;
@@ -182,7 +212,7 @@ int dispatch(int argc, const char* const* argv) {
   export_command->add_option("--vtk", vtk_folder, "Folder for the files and their .pvd index")->required();
   export_command->add_option("--steps", steps, "A:B, from step A up to, not including, B; all by default");
   export_command->add_flag("--force", vtk.force, "Replace an earlier export in the folder");
-  export_command->add_flag("--quiet", vtk.quiet, "No progress on stderr");
+  export_command->add_flag("--quiet", vtk.quiet, "No progress on stderr; the index's path is printed alone");
 
   try {
     app.parse(argc, argv);
@@ -192,7 +222,7 @@ int dispatch(int argc, const char* const* argv) {
     if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-')
       throw Error(kUsage, std::string(argv[1]) + ": is no subcommand; see pipeline --help");
     // CLI11's exit codes are not ours, and its message takes two lines.
-    throw Error(kUsage, std::string(error.what()) + "; see pipeline --help");
+    throw Error(kUsage, usage_text(app, error));
   }
 
   if ((run_command->count("--output") || check_command->count("--output")) && output.empty())
@@ -226,7 +256,7 @@ int dispatch(int argc, const char* const* argv) {
       if (std::error_code none; std::filesystem::exists(file, none) && !std::filesystem::is_regular_file(file, none))
         throw Error(kFile, file + ": is neither a file nor a folder");
       const Result result = read_result(file);
-      put(json ? result_json(result, file) : result_text(result));
+      put(json ? result_json(result, file) : result_text(result, digests));
     }
     return kDone;
   }
@@ -245,7 +275,7 @@ int dispatch(int argc, const char* const* argv) {
     vtk.name = export_name(file);
     vtk.steps = step_range(steps, result.steps(), file);
     const std::uint64_t mebibytes = (export_bytes(result, vtk) >> 20) + 1;
-    put(std::to_string(vtk.steps.size()) + " steps, about " + std::to_string(mebibytes) + " MiB\n");
+    if (!vtk.quiet) put(std::to_string(vtk.steps.size()) + " steps, about " + std::to_string(mebibytes) + " MiB\n");
     put(write_vtk(result, vtk).string() + "\n");
     return kDone;
   }
@@ -253,10 +283,10 @@ int dispatch(int argc, const char* const* argv) {
   if (*run_command) {
     const Config config = read_config(config_path, sets);
     warn(config.notes);
-    return finish(run(config, options), output_path(config, options).string(), json);
+    return finish(run(config, options), output_path(config, options).string(), json, digests);
   }
   refuse_part(file);
-  return finish(detect_again(file, added, options), file, json);
+  return finish(detect_again(file, added, options), file, json, digests);
 }
 
 }  // namespace

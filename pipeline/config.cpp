@@ -199,6 +199,18 @@ std::string effective(const Config& c) {
   return out.text;
 }
 
+/// A seed from which nothing is drawn must not look as if it made a run of its own. The preset only says what is so
+/// anyway, and stands in many a file: it is noted.
+void refuse_idle_seed(Config& config) {
+  const SceneKind& kind = *config.scene_kind;
+  if (config.seed_place.empty() || (kind.draws && kind.draws(config))) return;
+  const std::string remedy = kind.draw_by.empty() ? "remove it" : "remove it, or set " + kind.draw_by;
+  const std::string where = config.seed_place + ": 'seed' ";
+  const std::string why = ": nothing is drawn at random in this " + kind.name + " scene; " + remedy;
+  if (config.seed != kSeed) throw Error(kInput, where + "must be left out, not " + std::to_string(config.seed) + why);
+  config.notes.push_back(where + "changes nothing" + why);
+}
+
 std::string bytes_of(const std::filesystem::path& path) {
   try {
     return read_regular(AT_FDCWD, path, /*follow_links=*/true, kMostBytes);
@@ -230,6 +242,7 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   config.text = text;
   config.title = title(root, one_line(path.stem().string(), kMostTitle));
   config.seed = root.integer("seed", config.seed, 0);
+  if (root.has("seed")) config.seed_place = root.place("seed");
   config.steps = root.integer("steps", config.steps, 1, kMostSteps);
   config.rate = root.real("rate", config.rate, {.least = kLeastRate, .most = kMostRate});
   if (root.has("steps")) config.steps_place = root.place("steps");
@@ -249,6 +262,7 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
 
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets) {
   Config config = parse_config(bytes_of(path), path, sets);
+  if (config.scene_kind) refuse_idle_seed(config);
   if (config.scene_kind && config.scene_kind->complete) {
     config.scene_kind->complete(config);
     config.effective = effective(config);

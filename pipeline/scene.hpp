@@ -59,6 +59,9 @@ struct SceneKind {
   std::string (*breach)(const Config& config, const std::vector<BodyState>& states) = nullptr;
   // Of scripted scenes: how many steps the script has. A configuration may ask for fewer, not for more.
   std::int64_t (*steps)(const Config& config) = nullptr;
+  /// Whether anything is drawn from the seed; null: never.
+  bool (*draws)(const Config& config) = nullptr;
+  std::string draw_by = {};  // the key that has something drawn, and its value; empty: there is none
   /// Reads the files that the scene names, once, and what follows from them into `config`; null: it names none.
   void (*complete)(Config& config) = nullptr;
 };

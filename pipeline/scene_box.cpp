@@ -230,7 +230,8 @@ SceneKind box_kind() {
           .size = size,
           .make = make,
           .events = events,
-          .breach = breach};
+          .breach = breach,
+          .draws = [](const Config&) { return true; }};  // where every sphere is born
 }
 
 }  // namespace pipeline

@@ -366,7 +366,8 @@ SceneKind extremes_kind() {
           .write = write,
           .size = size,
           .make = make,
-          .steps = steps};
+          .steps = steps,
+          .draws = [](const Config&) { return true; }};  // how the two of every pair lie
 }
 
 }  // namespace pipeline

@@ -1,5 +1,6 @@
 // kind = "falling": sets of spheres fall onto others that lie on a finite plate, its top at y = 0 (thesis, "Padani").
 #include "geometry/shapes.hpp"
+#include "pipeline/random.hpp"
 #include "pipeline/scene.hpp"
 
 namespace pipeline {
@@ -18,13 +19,14 @@ std::int64_t sphere_count(const FallingSet& set) {
 }
 
 void read(const Section& s, Config& config) {
-  s.only({"kind", "segments", "radius", "density", "plate", "shift", "set"});
+  s.only({"kind", "segments", "radius", "density", "plate", "shift", "jitter", "set"});
   FallingScene scene;
   scene.segments = s.integer("segments", scene.segments, 1, kMostSegments);
   scene.radius = s.real("radius", scene.radius, kLength);
   scene.density = s.real("density", scene.density, kDensity);
   s.reals("plate", scene.plate, kLength);
   scene.shift = s.real("shift", scene.shift, kCoordinate);
+  scene.jitter = s.real("jitter", scene.jitter, {.least = 0, .most = kMostLength});
   if (!s.has("set")) scene.sets = thesis_sets();
   std::int64_t spheres = 0;
   for (const Section& t : s.sections("set")) {
@@ -52,6 +54,7 @@ void write(const Config& config, TomlText& out) {
   out.line("density", scene.density);
   out.list("plate", scene.plate);
   out.line("shift", scene.shift);
+  out.line("jitter", scene.jitter);
   for (const FallingSet& set : scene.sets) {
     out.table("[[scene.set]]");
     out.list("lying", set.lying);
@@ -74,7 +77,8 @@ SceneSize size(const Config& config) {
           .body_vertices = plate.vertices + spheres * sphere.vertices};
 }
 
-/// Body 0 is the plate, then set by set the lying and the upper spheres, x slowest.
+/// Body 0 is the plate, then set by set the lying and the upper spheres, x slowest. An upper sphere is displaced along
+/// x, y and z by jitter times three numbers in [-1, 1), the first three of the stream of its body's number.
 Scene make(const Config& config) {
   const FallingScene& falling = std::get<FallingScene>(config.scene);
   Scene scene;
@@ -90,6 +94,11 @@ Scene make(const Config& config) {
     bodies.fixed.push_back(rigid.fixed);
     scene.rigid.push_back(rigid);
     scene.states.push_back({.position = {x, y, z}});
+  };
+  const auto displace = [&] {
+    if (falling.jitter == 0) return;
+    Random random = Random::of(std::uint64_t(config.seed), scene.states.size() - 1);
+    for (double& coordinate : scene.states.back().position) coordinate += falling.jitter * random.signed_unit();
   };
 
   const RigidBody floor{.fixed = true, .sphere = false, .half_extents = {plate[0] / 2, plate[1] / 2, plate[2] / 2}};
@@ -107,10 +116,12 @@ Scene make(const Config& config) {
     number = 0;
     for (std::int64_t i = 0; i < set.above[0]; ++i)
       for (std::int64_t j = 0; j < set.above[1]; ++j)
-        for (std::int64_t k = 0; k < set.above[2]; ++k)
+        for (std::int64_t k = 0; k < set.above[2]; ++k) {
           add(prefix + "_above_" + std::to_string(number++), 1, sphere,
               set.corner[0] + falling.shift + set.spacing * double(i), set.height + set.spacing * double(j),
               set.corner[1] + falling.shift + set.spacing * double(k));
+          displace();
+        }
   }
   return scene;
 }
@@ -124,7 +135,9 @@ SceneKind falling_kind() {
           .read = read,
           .write = write,
           .size = size,
-          .make = make};
+          .make = make,
+          .draws = [](const Config& config) { return std::get<FallingScene>(config.scene).jitter > 0; },
+          .draw_by = "scene.jitter above 0"};
 }
 
 }  // namespace pipeline

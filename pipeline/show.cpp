@@ -175,13 +175,14 @@ Json extremes_json(const Result& result) {
   return json;
 }
 
-std::string provenance_text(const Result& result) {
+std::string provenance_text(const Result& result, bool all_digests) {
   const Provenance& from = result.provenance;
   std::string text = "made by   " + from.creator + ", commit " + from.git_commit + ", " + from.build_type + ", " +
                      from.compiler + "\n";
   text += print("run       %s on %s (%s), %.1f s\n", from.date.c_str(), from.host.c_str(), from.processor.c_str(),
                 from.wall_time_s);
-  for (const auto& [group, digest] : digests(result)) text += "digest    " + digest + "  " + group + "\n";
+  for (const auto& [group, digest] : digests(result))
+    if (all_digests || group == "/") text += "digest    " + digest + "  " + group + "\n";
   return text;
 }
 
@@ -235,7 +236,7 @@ std::vector<SweepSummary> summarise(const std::vector<StudyRow>& rows) {
   return out;
 }
 
-std::string study_text(const Result& result) {
+std::string study_text(const Result& result, bool digests) {
   std::vector<std::vector<std::string>> table = {{"sweep", "integrator", "cases", "finished", "least error",
                                                   "worst energy", "evaluations", "time", "not finished"}};
   std::size_t finished = 0;
@@ -249,7 +250,7 @@ std::string study_text(const Result& result) {
          print("a study of integrators: %zu cases, %zu finished\n\n", result.study->size(), finished) + aligned(table) +
          "\nleast error: relative or rad, over the cases that finished; worst energy: greatest error of its balance "
          "there; time: of processor, all cases\n\n" +
-         provenance_text(result);
+         provenance_text(result, digests);
 }
 
 std::string study_json(const Result& result, const std::string& path) {
@@ -279,8 +280,8 @@ std::string study_json(const Result& result, const std::string& path) {
 
 }  // namespace
 
-std::string result_text(const Result& result) {
-  if (result.study) return study_text(result);
+std::string result_text(const Result& result, bool digests) {
+  if (result.study) return study_text(result, digests);
   std::string text = result.title + "\n";
   text += print("%zu steps of %zu bodies at %g per second; %zu pairs meet over all steps\n", result.steps(),
                 result.bodies.size(), result.rate, result.truth.hits.pair.size());
@@ -316,7 +317,7 @@ std::string result_text(const Result& result) {
   if (result.passes && !result.answers.empty()) text += passes_text(result);
   if (result.extremes && !result.answers.empty()) text += extremes_text(result);
 
-  text += provenance_text(result);
+  text += provenance_text(result, digests);
   return text;
 }
 

@@ -90,6 +90,8 @@ TEST(ConfigErrors, RefusesWithPlaceRuleValueAndRemedy) {
       {kScene + "plate = [1, \"2\", 3]\n", "a/f.toml:3:13: 'scene.plate.1' must be a number"},
       {kScene + "shift = nan\n",
        "a/f.toml:3:9: 'scene.shift' must be a number of at least -1e6 and at most 1e6, not nan"},
+      {kScene + "jitter = -0.1\n",
+       "a/f.toml:3:10: 'scene.jitter' must be a number of at least 0 and at most 1e6, not -0.1"},
       {kScene + "[scene.set]\nheight = 3\n",
        "a/f.toml:3:1: 'scene.set' must be an array of tables, not a table; write [[scene.set]]"},
       {kScene + "set = [1]\n", "a/f.toml:3:8: 'scene.set.0' must be a table, not 1; write [[scene.set]] above each"},

@@ -59,7 +59,7 @@ def drawn(data, k, body):
     pose = poses[k, body]
     mesh = data["meshes"][data["bodies"][body]["mesh"]]
     vertices = array(mesh["vertices"], "<f4").reshape(-1, 3).astype(float)
-    return viewer.turned(pose[:4], vertices) + pose[4:] + data["centre"]
+    return (viewer.turned(pose[:4], vertices) + pose[4:]) * data["unit"] + data["centre"]
 
 
 def true_vertices(path, step, body):
@@ -317,6 +317,44 @@ def test_a_click_on_a_body_tells_its_name_and_partners(page):
     page.evaluate("viewer.state.through.fill(false)")
     partners = page.evaluate(f"Object.values(viewer.now()).flat().filter(p => p.includes({body})).length")
     assert page.evaluate("document.querySelectorAll('#chosen li').length") == partners > 0
+
+
+# Three cubes of half the side `size`: a and b overlap, c stands beside them: bounding_sphere invents its two pairs.
+# Before the page had a unit of its own, cubes below 3e-8 m and above 1e11 m were drawn black.
+@pytest.mark.parametrize("size", [1e-12, 1e-6, 1.0, 1e6, 1e12])
+def test_colours_are_seen_at_every_size(pipeline, tmp_path, size):
+    corners = [f"v {x * size!r} {y * size!r} {z * size!r}" for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    faces = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
+    (tmp_path / "a.obj").write_text("\n".join(corners + ["f " + face for face in faces]) + "\n")
+    rows = [f"0,{name},{x * size!r},{y * size!r},0.0,1,0,0,0" for name, x, y in (("a", 0, 0), ("b", 1.5, 0), ("c", 0, 2.5))]
+    (tmp_path / "poses.csv").write_text("\n".join(["step,body,px,py,pz,qw,qx,qy,qz", *rows]) + "\n")
+    bodies = "".join(f'[[scene.body]]\nname = "{name}"\nmesh = "a.obj"\n' for name in "abc")
+    (tmp_path / "case.toml").write_text(
+        f'[scene]\nkind = "replay"\nposes = "poses.csv"\n{bodies}'
+        '[timing]\nrepeats = 1\n[[algorithm]]\nname = "aabb"\n[[algorithm]]\nname = "bounding_sphere"\n'
+    )
+    file = tmp_path / "case.h5"
+    subprocess.run([pipeline, "run", tmp_path / "case.toml", "-o", file, "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    with opened(page_of(file, label="bounding_sphere"), tmp_path) as page:
+        assert page.evaluate("viewer.now().fp.length") == 2 and page.evaluate("viewer.now().tp.length") == 1
+        image = picture(page)
+        page.evaluate("viewer.setAlgorithm(0)")  # aabb is right: the boxes are the bodies, and c touches none
+        right = picture(page)
+        page.evaluate("(viewer.choose([0, 2]), 0)")
+        told = page.evaluate("document.getElementById('chosen').textContent")
+        assert page.messages == []
+    # 75,335 and 46,373 pixels; black cubes left 3,837 (the links) and none.
+    assert coloured(image, FP) > 30000, "a, b and c are in a wrong pair"
+    assert coloured(right, TP) > 30000 and coloured(right, FP) == 0
+    apart = float(re.search(r"([\d.e+-]+) m apart", told)[1])
+    assert apart == pytest.approx(0.5 * size, rel=1e-5)
+
+
+def test_a_scene_of_small_and_large_bodies_gives_up_neither():
+    assert viewer._unit([1e-3, 1e3], 1e3) == 1
+    assert viewer._unit([1e-12], 2e-12) == pytest.approx(1.4e-12, rel=0.5)
+    assert 1e250 / viewer._unit([1e-300, 1e250], 0) < 2e9  # far below the greatest Float32
+    assert viewer._unit([0.0], 0.0) == 1  # all bodies are one point at the middle
 
 
 def test_a_click_on_a_row_brings_the_camera_to_the_pair(page):
