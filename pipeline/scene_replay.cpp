@@ -25,8 +25,11 @@ namespace pipeline {
 /// What the files of a replayed scene hold.
 struct ReplayInputs {
   geometry::Bodies bodies;
-  std::vector<std::vector<geometry::Pose>> poses;  // all steps x B
+  CsvMotion csv;
+  std::vector<std::vector<geometry::Pose>> poses;  // S x B, of an earlier result; else empty
   std::optional<double> rate;                      // of an earlier result
+
+  std::int64_t steps() const { return poses.empty() ? csv.steps : std::int64_t(poses.size()); }
 };
 
 namespace {
@@ -76,14 +79,14 @@ ReplayBody read_body(const Section& s) {
 }
 
 void read(const Section& s, Config& config) {
-  s.only({"kind", "poses", "motion", "only", "body"});
+  s.only({"kind", "poses", "motion", "only", "half_turns", "body"});
   ReplayScene scene;
   scene.only = s.texts("only");
   if (s.has("only") && scene.only.empty()) s.refuse("only", "name at least one body", "leave it out for all pairs");
   if (s.has("only")) scene.only_place = place_of(s, "only");
   if (s.has("motion")) {
     const std::string remedy = "bodies, meshes and poses are those of that result";
-    for (const char* key : {"poses", "body"})
+    for (const char* key : {"poses", "half_turns", "body"})
       if (s.has(key)) s.refuse(key, "be absent where 'motion' is given", remedy);
     scene.motion = s.text("motion", "");
     if (scene.motion.empty()) s.refuse("motion", "name a result file");
@@ -94,6 +97,7 @@ void read(const Section& s, Config& config) {
     scene.poses = s.text("poses", "");
     if (scene.poses.empty()) s.refuse("poses", "name a CSV file");
     scene.place = place_of(s, "poses");
+    scene.half_turns = s.boolean("half_turns", false);
     std::set<std::string> taken;
     for (const Section& t : s.sections("body")) {
       scene.bodies.push_back(read_body(t));
@@ -113,6 +117,7 @@ void write(const Config& config, TomlText& out) {
     out.line("poses", scene.poses);
   else
     out.line("motion", scene.motion);
+  if (scene.half_turns) out.line("half_turns", true);
   if (!scene.only.empty()) out.list("only", scene.only);
   for (const ReplayBody& body : scene.bodies) {
     out.table("[[scene.body]]");
@@ -201,8 +206,10 @@ geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
         any_closed = true;
       } else {
         const Input input = read_input(config, body.mesh, body.place);
+        std::string said;
         try {
-          mesh = geometry::parse_mesh(input.bytes, input.path, body.name);
+          mesh = geometry::parse_mesh(input.bytes, input.path, body.name, &said);
+          if (!said.empty()) config.notes.push_back(said);
         } catch (const geometry::MeshFileError& error) {
           throw Error(kInput, error.what());
         }
@@ -224,22 +231,27 @@ geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
   return bodies;
 }
 
-std::vector<std::vector<geometry::Pose>> load_poses(Config& config, const ReplayScene& scene) {
+CsvMotion load_poses(Config& config, const ReplayScene& scene) {
   std::vector<CsvBody> bodies;
   for (const ReplayBody& body : scene.bodies)
     bodies.push_back({body.name, !body.fixed     ? CsvBody::every_step
                                  : body.position ? CsvBody::none
                                                  : CsvBody::first_step});
   const Input input = read_input(config, scene.poses, scene.place);
-  auto poses = parse_poses(input.bytes, input.path, bodies);
+  CsvMotion motion = parse_poses(input.bytes, input.path, bodies);
+  if (motion.begins_with_half_turns && !scene.half_turns)
+    config.notes.push_back(input.path +
+                           ": the first quaternion of every body has qw = 0, a half turn: are they in the order of "
+                           "the header? If they are x, y, z, w, let the header end with qx,qy,qz,qw; if half turns are "
+                           "meant, set scene.half_turns = true");
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b].rows != CsvBody::none) continue;
     const auto& t = *scene.bodies[b].position;
     const auto& q = scene.bodies[b].orientation;
-    const geometry::Pose pose{geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}};
-    for (auto& step : poses) step[b] = pose;
+    motion.tracks[b] = {
+        .first = 0, .stays = true, .poses = {{geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}}}};
   }
-  return poses;
+  return motion;
 }
 
 void load_result(Config& config, const ReplayScene& scene, ReplayInputs& inputs) {
@@ -266,7 +278,7 @@ std::shared_ptr<const ReplayInputs> load(Config& config) {
     load_result(config, scene, *inputs);
   } else {
     inputs->bodies = load_bodies(config, scene);
-    inputs->poses = load_poses(config, scene);
+    inputs->csv = load_poses(config, scene);
   }
   if (scene.only.empty()) return inputs;
   geometry::Bodies& bodies = inputs->bodies;
@@ -283,7 +295,7 @@ std::shared_ptr<const ReplayInputs> load(Config& config) {
 
 void complete(Config& config) {
   auto inputs = load(config);
-  const std::int64_t steps = std::int64_t(inputs->poses.size());
+  const std::int64_t steps = inputs->steps();
   ReplayScene& scene = std::get<ReplayScene>(config.scene);
   if (config.steps_place.empty())
     config.steps = steps;
@@ -316,7 +328,10 @@ Scene make(const Config& config) {
   const ReplayInputs& inputs = inputs_of(config);
   Scene scene;
   scene.bodies = inputs.bodies;
-  scene.script.assign(inputs.poses.begin(), inputs.poses.begin() + config.steps);
+  if (inputs.poses.empty())
+    scene.script = poses_of(inputs.csv, config.steps);
+  else
+    scene.script.assign(inputs.poses.begin(), inputs.poses.begin() + config.steps);
   return scene;
 }
 
