@@ -135,7 +135,10 @@ TEST(ConfigErrors, RefusesWithPlaceRuleValueAndRemedy) {
       // Truth, timing
       {kScene + "[truth]\ncontainment = \"maet\"\n",
        "must be \"ignore\", \"record\" or \"meet\", not \"maet\"; did you mean 'meet'?"},
-      {kScene + "[truth]\nx = 1\n", "a/f.toml:4:1: unknown key 'truth.x'; known: containment, gap, gap_margin"},
+      {kScene + "[truth]\nx = 1\n",
+       "a/f.toml:4:1: unknown key 'truth.x'; known: containment, closed_within, gap, gap_margin"},
+      {kScene + "[truth]\nclosed_within = 0.002\n",
+       "a/f.toml:4:17: 'truth.closed_within' must be a number of at least 0 and at most 0.001, not 0.002"},
       {kScene + "[truth]\ngap = 1\n", "a/f.toml:4:7: 'truth.gap' must be true or false, not 1"},
       {kScene + "[truth]\ngap = true\ngap_margin = -1\n",
        "a/f.toml:5:14: 'truth.gap_margin' must be a number of at least 0 and at most 1e6, not -1"},
