@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "algorithms/pairwise.hpp"
-#include "geometry/kernel.hpp"
+#include "geometry/processor_clones.hpp"
 
 namespace algorithms {
 namespace {

@@ -1,4 +1,4 @@
-// What exact and exact_cold share: a Method over the decision that the truth is made by (geometry/meet.hpp).
+// What exact and exact_cold share: a Method over the decision that the truth is made by (geometry/decision/meet.hpp).
 #pragma once
 #include <string_view>
 

@@ -22,8 +22,8 @@
 
 #include "algorithms/prefilter.hpp"
 #include "geometry/facets.hpp"
-#include "geometry/kernel.hpp"
 #include "geometry/point_tree.hpp"
+#include "geometry/processor_clones.hpp"
 
 namespace algorithms {
 namespace {

@@ -12,7 +12,7 @@
 #include "algorithms/facet_knobs.hpp"
 #include "algorithms/prefilter.hpp"
 #include "geometry/facets.hpp"
-#include "geometry/kernel.hpp"
+#include "geometry/processor_clones.hpp"
 
 namespace algorithms {
 namespace {

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "geometry/broad_phase.hpp"
+#include "geometry/decision/broad_phase.hpp"
 
 namespace algorithms {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "algorithms/pairwise.hpp"
-#include "geometry/kernel.hpp"
+#include "geometry/processor_clones.hpp"
 #include "geometry/turned_box.hpp"
 
 namespace algorithms {

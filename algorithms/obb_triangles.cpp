@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "algorithms/prefilter.hpp"
-#include "geometry/kernel.hpp"
+#include "geometry/processor_clones.hpp"
 #include "geometry/triangle.hpp"
 #include "geometry/turned_box.hpp"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "algorithms/pairwise.hpp"
-#include "geometry/kernel.hpp"
 #include "geometry/portable_math.hpp"
+#include "geometry/processor_clones.hpp"
 
 namespace algorithms {
 namespace {

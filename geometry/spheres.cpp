@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "geometry/kernel.hpp"
+#include "geometry/processor_clones.hpp"
 
 namespace geometry {
 namespace {

@@ -1,4 +1,5 @@
-// The 11-axis triangle test, as published: part of approximate algorithms, not the truth (geometry/exact.hpp is).
+// The 11-axis triangle test, as published: part of approximate algorithms, not the truth (geometry/decision/exact.hpp
+// is).
 //
 // Source: the triangle demo of three.js that the thesis (Příbyl 2022, section 4.1) adapted. Axes are the two normals
 // and the nine cross products of edges. No axis lies in the plane of coplanar triangles: those are "yes", however far

@@ -4,8 +4,8 @@
 #include <cassert>
 #include <limits>
 
-#include "geometry/contain.hpp"
-#include "geometry/meet.hpp"
+#include "geometry/decision/contain.hpp"
+#include "geometry/decision/meet.hpp"
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "geometry/bodies.hpp"
-#include "geometry/meet.hpp"
+#include "geometry/decision/meet.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/result.hpp"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "geometry/bvh.hpp"
+#include "geometry/decision/bvh.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/part.hpp"
 #include "pipeline/passes.hpp"

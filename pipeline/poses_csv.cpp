@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "geometry/mesh_file.hpp"
+#include "geometry/meshes/mesh_file.hpp"
 #include "geometry/text.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/words.hpp"

@@ -16,7 +16,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/shapes.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/random.hpp"
 #include "pipeline/scene.hpp"

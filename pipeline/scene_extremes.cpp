@@ -11,8 +11,8 @@
 #include <cmath>
 #include <set>
 
-#include "geometry/meet.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/decision/meet.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/random.hpp"

@@ -1,7 +1,7 @@
 // kind = "falling": sets of spheres fall onto others that lie on a finite plate, its top at y = 0 (thesis, "Padani").
 #include <cmath>
 
-#include "geometry/shapes.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "pipeline/random.hpp"
 #include "pipeline/scene.hpp"
 

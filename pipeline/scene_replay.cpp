@@ -9,9 +9,9 @@
 #include <cmath>
 #include <set>
 
-#include "geometry/contain.hpp"
-#include "geometry/mesh_file.hpp"
-#include "geometry/shells.hpp"
+#include "geometry/decision/contain.hpp"
+#include "geometry/decision/shells.hpp"
+#include "geometry/meshes/mesh_file.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/file_bytes.hpp"
 #include "pipeline/poses_csv.hpp"

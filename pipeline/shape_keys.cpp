@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "geometry/shapes.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "pipeline/scene.hpp"
 
 namespace pipeline {
@@ -108,7 +108,7 @@ void write(const TorusKnotShape& knot, TomlText& out) {
   out.line("q", knot.q);
 }
 
-// The counts are those that geometry/shapes.hpp documents; a test compares.
+// The counts are those that geometry/meshes/shapes.hpp documents; a test compares.
 
 MeshSize size(const BoxShape&) { return {.vertices = 8, .triangles = 12}; }
 

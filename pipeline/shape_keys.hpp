@@ -6,9 +6,9 @@
 //   shape = "torus"       diameter, thickness, segments (16)
 //   shape = "torus_knot"  radius, tube, radial_segments (32), tubular_segments (32), p (2), q (3)
 //
-// Lengths in metres, as geometry/shapes.hpp means them. Presets in parentheses are Babylon.js's, with which the thesis
-// made its scenes; a capsule has 440 facets where Babylon.js's preset has 416 (its caps are cut otherwise: 16 columns
-// and 6 bands a cap there, 20 columns and 5 bands here).
+// Lengths in metres, as geometry/meshes/shapes.hpp means them. Presets in parentheses are Babylon.js's, with which the
+// thesis made its scenes; a capsule has 440 facets where Babylon.js's preset has 416 (its caps are cut otherwise: 16
+// columns and 6 bands a cap there, 20 columns and 5 bands here).
 #pragma once
 #include <cstdint>
 #include <string>

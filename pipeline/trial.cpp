@@ -7,7 +7,7 @@
 #include <numeric>
 #include <optional>
 
-#include "geometry/meet.hpp"
+#include "geometry/decision/meet.hpp"
 #include "pipeline/detect.hpp"
 #include "pipeline/motion.hpp"
 #include "pipeline/print.hpp"

@@ -5,8 +5,8 @@
 #include <chrono>
 #include <iterator>
 
-#include "geometry/gap.hpp"
-#include "geometry/meet.hpp"
+#include "geometry/decision/gap.hpp"
+#include "geometry/decision/meet.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/threads.hpp"
 

@@ -1,5 +1,6 @@
-// The truth stage: which bodies meet, exactly, at every step (geometry/meet.hpp says what that means), and which lie
-// wholly inside others (geometry/contain.hpp); where asked, how far apart near pairs are (geometry/gap.hpp).
+// The truth stage: which bodies meet, exactly, at every step (geometry/decision/meet.hpp says what that means), and
+// which lie wholly inside others (geometry/decision/contain.hpp); where asked, how far apart near pairs are
+// (geometry/decision/gap.hpp).
 #pragma once
 #include <optional>
 #include <span>
@@ -7,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/contain.hpp"
+#include "geometry/decision/contain.hpp"
 #include "pipeline/part.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/result.hpp"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "geometry/oracle.hpp"
+#include "geometry/decision/oracle.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/print.hpp"
 #include "pipeline/progress.hpp"

@@ -1,4 +1,4 @@
-// `pipeline verify`: the truth of a result file, rechecked by the oracle (geometry/oracle.hpp).
+// `pipeline verify`: the truth of a result file, rechecked by the oracle (geometry/decision/oracle.hpp).
 //
 // First the world extents of all bodies at all the steps asked for are compared: pairs whose extents do not touch are
 // thereby proved apart, all of them. What remains are three classes: pairs listed as meeting, pairs listed as

@@ -1,7 +1,7 @@
 // exact and exact_cold: right in every case, whatever they remember.
 #include <gtest/gtest.h>
 
-#include "geometry/exact.hpp"
+#include "geometry/decision/exact.hpp"
 #include "tests/setting.hpp"
 
 namespace algorithms {

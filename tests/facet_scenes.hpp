@@ -9,7 +9,7 @@
 
 #include "algorithms/algorithm.hpp"
 #include "geometry/facets.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/meshes/shapes.hpp"
 
 namespace facet_scenes {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "geometry/broad_phase.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/decision/broad_phase.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "tests/adversary.hpp"
 #include "tests/oracle.hpp"
 

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <random>
 
-#include "geometry/bvh.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/decision/bvh.hpp"
+#include "geometry/meshes/shapes.hpp"
 
 namespace {
 
@@ -140,7 +140,7 @@ TEST(Bvh, RefittedBoxesAreTheLeastAndGreatestDoublesOfTheirFacets) {
 TEST(Bvh, HoldsTensOfThousandsOfFacets) { expect_whole(sphere("s", 1, 110), 60); }
 
 // Every vertex of every node, in exact arithmetic: |axis . (v - centre)| <= half, but for the rounding that
-// geometry/frames.cpp allows for, and axes as orthonormal as it takes them for.
+// geometry/decision/frames.cpp allows for, and axes as orthonormal as it takes them for.
 TEST(Bvh, BoundsHoldTheVerticesOfTheirNodes) {
   using Exact = CGAL::Mpzf;
   Mesh flat = soup(40, 5);

@@ -5,10 +5,10 @@
 #include <set>
 #include <string>
 
-#include "geometry/contain.hpp"
-#include "geometry/meet.hpp"
-#include "geometry/shapes.hpp"
-#include "geometry/shells.hpp"
+#include "geometry/decision/contain.hpp"
+#include "geometry/decision/meet.hpp"
+#include "geometry/decision/shells.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "tests/oracle.hpp"
 
 namespace {

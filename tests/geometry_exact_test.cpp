@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string>
 
-#include "geometry/exact.hpp"
+#include "geometry/decision/exact.hpp"
 #include "tests/oracle.hpp"
 #include "tests/random.hpp"
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "geometry/facets.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/meshes/shapes.hpp"
 
 namespace geometry {
 namespace {

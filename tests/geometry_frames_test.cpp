@@ -9,8 +9,8 @@
 #include <limits>
 #include <vector>
 
-#include "geometry/frames.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/decision/frames.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "tests/adversary.hpp"
 
 namespace {

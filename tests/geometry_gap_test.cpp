@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "geometry/gap.hpp"
-#include "geometry/meet.hpp"
+#include "geometry/decision/gap.hpp"
+#include "geometry/decision/meet.hpp"
 #include "oracle.hpp"
 #include "setting.hpp"
 

@@ -8,9 +8,9 @@
 #include <numeric>
 #include <string>
 
-#include "geometry/meet.hpp"
+#include "geometry/decision/meet.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "geometry/portable_math.hpp"
-#include "geometry/shapes.hpp"
 #include "tests/adversary.hpp"
 #include "tests/oracle.hpp"
 #include "tests/random.hpp"

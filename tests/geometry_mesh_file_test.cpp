@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "geometry/contain.hpp"
-#include "geometry/mesh_file.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/decision/contain.hpp"
+#include "geometry/meshes/mesh_file.hpp"
+#include "geometry/meshes/shapes.hpp"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "geometry/mesh.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/meshes/shapes.hpp"
 
 namespace geometry {
 namespace {

@@ -2,8 +2,8 @@
 // by class.
 //
 // Seconds, not milliseconds: exact numbers take some microseconds a pair. Every class must hold both answers, so that a
-// comparison in which nothing meets is not mistaken for agreement. Without the error bounds of geometry/exact.cpp's
-// filter (both constants 0) 13 of these tests fail: 2026-11-22.
+// comparison in which nothing meets is not mistaken for agreement. Without the error bounds of
+// geometry/decision/exact.cpp's filter (both constants 0) 13 of these tests fail: 2026-11-22.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/meet.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/decision/meet.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "tests/oracle.hpp"
 #include "tests/random.hpp"
 

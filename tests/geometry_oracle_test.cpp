@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/meet.hpp"
-#include "geometry/oracle.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/decision/meet.hpp"
+#include "geometry/decision/oracle.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "tests/oracle.hpp"
 #include "tests/random.hpp"
 

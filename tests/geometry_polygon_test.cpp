@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/mesh_file.hpp"
-#include "geometry/polygon.hpp"
+#include "geometry/meshes/mesh_file.hpp"
+#include "geometry/meshes/polygon.hpp"
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/shapes.hpp"
+#include "geometry/meshes/shapes.hpp"
 
 namespace geometry {
 namespace {

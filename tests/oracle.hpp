@@ -1,11 +1,11 @@
-// The tests' exact answers: the product's oracle (geometry/oracle.hpp), and a second one that checks it.
+// The tests' exact answers: the product's oracle (geometry/decision/oracle.hpp), and a second one that checks it.
 #pragma once
 #include <CGAL/Gmpq.h>
 
 #include <array>
 #include <cstddef>
 
-#include "geometry/oracle.hpp"
+#include "geometry/decision/oracle.hpp"
 
 namespace oracle {
 

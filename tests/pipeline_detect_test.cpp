@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "geometry/shapes.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "pipeline/detect.hpp"
 #include "pipeline/truth.hpp"
 #include "tests/temporary_folder.hpp"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <set>
 
-#include "geometry/oracle.hpp"
+#include "geometry/decision/oracle.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/truth.hpp"

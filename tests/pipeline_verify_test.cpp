@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <random>
 
-#include "geometry/oracle.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/decision/oracle.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/verify.hpp"
 #include "tests/setting.hpp"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-#include "geometry/exact.hpp"
+#include "geometry/decision/exact.hpp"
 #include "geometry/pose.hpp"
 
 namespace tests {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "algorithms/algorithm.hpp"
-#include "geometry/meet.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/decision/meet.hpp"
+#include "geometry/meshes/shapes.hpp"
 
 namespace setting {
 

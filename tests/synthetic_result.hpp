@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/shapes.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "pipeline/result.hpp"
 
 namespace pipeline {

@@ -12,8 +12,8 @@
 #include <random>
 
 #include "algorithms/algorithm.hpp"
-#include "geometry/exact.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/decision/exact.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "geometry/triangle.hpp"
 #include "pipeline/store.hpp"
 

@@ -32,7 +32,7 @@
 #include <vector>
 
 #include "algorithms/algorithm.hpp"
-#include "geometry/shapes.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/part.hpp"
 #include "pipeline/store.hpp"

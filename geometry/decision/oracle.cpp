@@ -8,7 +8,7 @@
 //   1  0 outside its line: (e x w) x e, where w leads from a corner of A to one of B; on the line: e.
 //   0  w.
 // Trying more directions than needed can do no harm: a direction that separates is a proof by itself.
-#include "geometry/oracle.hpp"
+#include "geometry/decision/oracle.hpp"
 
 #include <CGAL/Mpzf.h>
 

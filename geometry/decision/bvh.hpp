@@ -2,8 +2,8 @@
 //
 // Every node has an oriented box (S. Gottschalk, M. Lin, D. Manocha, "OBBTree: a hierarchical structure for rapid
 // interference detection", 1996) in single precision, rounded outward: it serves to reject, with the margins that
-// geometry/frames.hpp proves. For bodies to which these margins are no use, refit() gives every node the box of the
-// very world vertices: no inflation, nothing to prove.
+// geometry/decision/frames.hpp proves. For bodies to which these margins are no use, refit() gives every node the box
+// of the very world vertices: no inflation, nothing to prove.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -10,8 +10,8 @@
 // repeat or the outline runs back on itself.
 //
 // Time: O(n) for a fan. Else O(n log n) for whether the outline crosses itself, and at most 3 n questions whether an
-// ear is free, which look at about sqrt(n) corners each: 100,000 corners of combs, spirals and ribbons take 0.1 to 0.2 s.
-// Corners that are all in one place are looked at each time: 20,000 petals around one point take half a minute.
+// ear is free, which look at about sqrt(n) corners each: 100,000 corners of combs, spirals and ribbons take 0.1 to 0.2
+// s. Corners that are all in one place are looked at each time: 20,000 petals around one point take half a minute.
 #pragma once
 #include <cstdint>
 #include <span>

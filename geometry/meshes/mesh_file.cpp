@@ -1,6 +1,6 @@
-#include "geometry/mesh_file.hpp"
+#include "geometry/meshes/mesh_file.hpp"
 
-#include "geometry/mesh_reading.hpp"
+#include "geometry/meshes/mesh_reading.hpp"
 
 namespace geometry {
 

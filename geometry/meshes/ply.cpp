@@ -2,7 +2,7 @@
 #include <optional>
 #include <unordered_set>
 
-#include "geometry/mesh_reading.hpp"
+#include "geometry/meshes/mesh_reading.hpp"
 
 namespace geometry::mesh_reading {
 namespace {

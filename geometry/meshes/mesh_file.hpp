@@ -1,15 +1,15 @@
 // Meshes from files: OBJ, OFF, STL and PLY, the last two as text or binary.
 //
 // Vertices and triangles are kept as the file has them, in its order: nothing is welded, dropped or turned, because
-// facets are counted in file order. Polygons are cut into triangles (geometry/polygon.hpp). Text may begin with a byte
-// order mark and end its lines with LF, CR LF or CR; OFF and PLY that do not come out by lines are read by words. What
-// the formats hold beside corners (normals, colours, textures) may hold anything. What has no surface (faces of fewer
-// than three corners, curves) or is not known (words of a header, what follows the announced elements) is left out, and
-// counted.
+// facets are counted in file order. Polygons are cut into triangles (geometry/meshes/polygon.hpp). Text may begin with
+// a byte order mark and end its lines with LF, CR LF or CR; OFF and PLY that do not come out by lines are read by
+// words. What the formats hold beside corners (normals, colours, textures) may hold anything. What has no surface
+// (faces of fewer than three corners, curves) or is not known (words of a header, what follows the announced elements)
+// is left out, and counted.
 //
 // STL has no shared vertices: there every facet brings three of its own, so that is_closed(), which goes by index, is
 // always false for it. That is the truth about the mesh as kept; whether the surface is closed as a set of points,
-// which is what containment needs, is asked by coordinates (geometry/contain.hpp).
+// which is what containment needs, is asked by coordinates (geometry/decision/contain.hpp).
 #pragma once
 #include <stdexcept>
 #include <string>

@@ -1,5 +1,5 @@
 // STL, as text or binary: three vertices per facet.
-#include "geometry/mesh_reading.hpp"
+#include "geometry/meshes/mesh_reading.hpp"
 
 namespace geometry::mesh_reading {
 namespace {

@@ -2,7 +2,7 @@
 // link CGAL's kernel.
 #include <algorithm>
 
-#include "geometry/exact.hpp"
+#include "geometry/decision/exact.hpp"
 #include "geometry/mesh.hpp"
 
 namespace geometry {

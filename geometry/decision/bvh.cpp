@@ -1,7 +1,7 @@
 // Binned surface-area splits (I. Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007) along the
 // axes of each node's own box, median splits where binning cannot help. The tree decides how fast an answer comes,
 // never which.
-#include "geometry/bvh.hpp"
+#include "geometry/decision/bvh.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -25,7 +25,7 @@ double surface(const Box& box) {
   return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
 }
 
-/// Not less than x >= 0, or below it by an underflow, which geometry/frames.cpp allows for.
+/// Not less than x >= 0, or below it by an underflow, which geometry/decision/frames.cpp allows for.
 float above(double x) { return static_cast<float>(x * (1 + 0x1p-22)); }
 
 /// x rounded to a float. By way of memory: where several are rounded side by side and used as doubles again, GCC 12.2's
@@ -127,7 +127,7 @@ class Builder {
   }
 
   /// The box with the least surface of those that the axes give; leaves the facets along its axes in `items_`. Rounding
-  /// is less than 16 u times the farthest vertex, u = 2^-53: part of what geometry/frames.cpp allows for.
+  /// is less than 16 u times the farthest vertex, u = 2^-53: part of what geometry/decision/frames.cpp allows for.
   Bvh::Bound bound(std::span<const std::uint32_t> facets) {
     const auto around = [&](const Mat3& some) {
       Box box;

@@ -1,16 +1,16 @@
 // Bodies whose every vertex is placed: the form of the decision that needs no bound on any rounding.
 //
 // All boxes are the least and greatest of the very doubles that the truth is defined by: they reject only what is
-// apart. Slow, and used where the margins of geometry/frames.hpp are no use (bodies far from the origin in units of
-// their size, denormals, the ends of the range of doubles) and for containment.
+// apart. Slow, and used where the margins of geometry/decision/frames.hpp are no use (bodies far from the origin in
+// units of their size, denormals, the ends of the range of doubles) and for containment.
 #pragma once
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "geometry/contain.hpp"
-#include "geometry/frames.hpp"
+#include "geometry/decision/contain.hpp"
+#include "geometry/decision/frames.hpp"
 
 namespace geometry {
 

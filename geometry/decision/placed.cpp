@@ -1,11 +1,11 @@
 // World vertices and their boxes, and a dual descent in exact comparisons: nothing here is inflated, because the boxes
 // hold the rounded vertices themselves. The tree's shape alone comes from the mesh's own frame.
-#include "geometry/placed.hpp"
+#include "geometry/decision/placed.hpp"
 
 #include <algorithm>
 #include <cstring>
 
-#include "geometry/exact.hpp"
+#include "geometry/decision/exact.hpp"
 
 namespace geometry {
 namespace {

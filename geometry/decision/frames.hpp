@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/broad_phase.hpp"
-#include "geometry/bvh.hpp"
-#include "geometry/exact.hpp"
+#include "geometry/decision/broad_phase.hpp"
+#include "geometry/decision/bvh.hpp"
+#include "geometry/decision/exact.hpp"
 
 namespace geometry {
 

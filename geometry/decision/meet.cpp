@@ -1,14 +1,14 @@
 // For each pair whose boxes touch, the cheapest question first: do the two facets meet that met a step before, does the
 // direction still separate that did, do facets near the former meet; last a dual descent of the hierarchies, the
-// deepest overlap first, until two triangles meet. Only certain answers count (geometry/frames.hpp), so the order of
-// the questions cannot change them.
-#include "geometry/meet.hpp"
+// deepest overlap first, until two triangles meet. Only certain answers count (geometry/decision/frames.hpp), so the
+// order of the questions cannot change them.
+#include "geometry/decision/meet.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
-#include "geometry/exact.hpp"
+#include "geometry/decision/exact.hpp"
 
 namespace geometry {
 namespace {

@@ -1,8 +1,9 @@
 // The margins, and the tests that use them.
 //
 // The letters: u = 2^-53 and f = 2^-24; R, t, w = R v + t + e the world vertex of v with its rounding error e; |v| <=
-// reach, |v - c| <= radius; R^T R = 1 + E with |E| <= kDefect = 128 u for rigid bodies (geometry/broad_phase.cpp), so
-// that |R v| <= (1 + 64 u) |v| and the rows and columns of R have that length too. Every body has its own: R_a, R_b,
+// reach, |v - c| <= radius; R^T R = 1 + E with |E| <= kDefect = 128 u for rigid bodies
+// (geometry/decision/broad_phase.cpp), so that |R v| <= (1 + 64 u) |v| and the rows and columns of R have that length
+// too. Every body has its own: R_a, R_b,
 // ... and S = reach_a + reach_b, L = |t_a| + |t_b|. Where a margin is useful reach > 2^-62, and no length exceeds 2^60:
 // underflow, 2^-149 even in floats, is lost in the margins, the least of which is 2^-17 x 2^-62, and nothing overflows
 // or becomes NaN, which a comparison may take for either answer.
@@ -48,14 +49,14 @@
 // f (|t_0| + |t_1| + |t_2|) + 30.3 f S <= 86 f D; the third: 24.4 f D + 10 f (|t_k'| + |t_k"|) + 20.3 f S <= 70 f D.
 // The last sums of numbers below 1.8 D: less than 16 f D. In all less than 51 + 16, 18.2 + 86 + 16 and 46 + 70 + 16 =
 // 132 f D in the three lines, and 2500 u (S + L): `coarse` = 256 f D + 4096 u (S + L), rounded up.
-#include "geometry/frames.hpp"
+#include "geometry/decision/frames.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
-#include "geometry/kernel.hpp"
+#include "geometry/processor_clones.hpp"
 
 namespace geometry {
 namespace {

@@ -4,7 +4,7 @@
 // Babylon.js is left-handed and its facets run clockwise seen from outside in our right-handed frame; here each keeps
 // Babylon's first corner and has the other two swapped. Angles are folded into the first octant before the sine
 // is taken, so that meshes are mirror-symmetric to the last bit and lie exactly on the axes where they should.
-#include "geometry/shapes.hpp"
+#include "geometry/meshes/shapes.hpp"
 
 #include <cassert>
 #include <charconv>

@@ -1,5 +1,5 @@
 // OFF: Geomview's object file format, as text.
-#include "geometry/mesh_reading.hpp"
+#include "geometry/meshes/mesh_reading.hpp"
 
 namespace geometry::mesh_reading {
 namespace {

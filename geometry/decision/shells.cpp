@@ -1,11 +1,11 @@
-#include "geometry/shells.hpp"
+#include "geometry/decision/shells.hpp"
 
 #include <algorithm>
 #include <map>
 #include <set>
 #include <vector>
 
-#include "geometry/meet.hpp"
+#include "geometry/decision/meet.hpp"
 
 namespace geometry {
 namespace {

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "geometry/bodies.hpp"
-#include "geometry/broad_phase.hpp"
-#include "geometry/bvh.hpp"
-#include "geometry/contain.hpp"
-#include "geometry/placed.hpp"
+#include "geometry/decision/broad_phase.hpp"
+#include "geometry/decision/bvh.hpp"
+#include "geometry/decision/contain.hpp"
+#include "geometry/decision/placed.hpp"
 
 namespace geometry {
 
@@ -37,8 +37,8 @@ class Decision {
   void prepare(std::span<const Pose> poses);
 
   /// Appends the pairs among `runs` that meet, sorted, to `out`. When `contained` is given, appends to it the sorted
-  /// pairs of which one body is contained in the other (geometry/contain.hpp): none of them meets, and open meshes hold
-  /// nothing. No allocation once the vectors have grown.
+  /// pairs of which one body is contained in the other (geometry/decision/contain.hpp): none of them meets, and open
+  /// meshes hold nothing. No allocation once the vectors have grown.
   void hits(std::span<const PairRun> runs, std::vector<Pair>& out, std::vector<Contained>* contained = nullptr);
 
   /// Makes what the last hits() learned the memory that the next ones start from.

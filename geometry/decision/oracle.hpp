@@ -1,16 +1,17 @@
 // The oracle: the truth once more, by other means, to check the decision with (`pipeline verify` and the tests).
 //
-// It shares no code and no method with the decision (geometry/exact.hpp, geometry/meet.hpp, geometry/contain.hpp):
-// every triangle is asked about every other by separating axes in exact numbers, containment by exact rays against all
-// facets, and world vertices are computed from the definition written out again. The only short cut is the comparison
-// of coordinates, which is exact for doubles. It is slow, some 10 us a pair of triangles, and meant to be.
+// It shares no code and no method with the decision (geometry/decision/exact.hpp, geometry/decision/meet.hpp,
+// geometry/decision/contain.hpp): every triangle is asked about every other by separating axes in exact numbers,
+// containment by exact rays against all facets, and world vertices are computed from the definition written out again.
+// The only short cut is the comparison of coordinates, which is exact for doubles. It is slow, some 10 us a pair of
+// triangles, and meant to be.
 #pragma once
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "geometry/bodies.hpp"
-#include "geometry/exact.hpp"
+#include "geometry/decision/exact.hpp"
 
 namespace geometry::brute_force {
 
@@ -45,9 +46,9 @@ bool nested(const Extent& inner, const Extent& outer);
 /// True when some triangle of `a` meets some triangle of `b`.
 bool meet(std::span<const Triangle> a, std::span<const Triangle> b);
 
-/// The closed surface of a mesh by the definition of geometry/contain.hpp: the mesh itself where it is closed by its
-/// coordinates, else with corners of open edges joined that lie within `closed_within` of its size; nothing when it is
-/// open all the same.
+/// The closed surface of a mesh by the definition of geometry/decision/contain.hpp: the mesh itself where it is closed
+/// by its coordinates, else with corners of open edges joined that lie within `closed_within` of its size; nothing when
+/// it is open all the same.
 std::optional<Mesh> closed_surface(const Mesh& mesh, double closed_within);
 
 /// True when every corner of `inner` is inside `outer` by the parity rule, for surfaces that do not meet: then nothing

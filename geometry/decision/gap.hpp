@@ -1,17 +1,17 @@
 // How far surfaces are apart: a lower and an upper bound, both certified.
 //
 // The distance is that of the two surfaces as sets of points, made of the world vertices as rounded by to_world: the
-// same doubles the truth is defined by. A body inside another keeps the distance of the two surfaces. geometry/gap.cpp
-// derives the bounds; they are about 1e-12 of the bodies' joint extent apart, also for slivers and degenerate
-// triangles.
+// same doubles the truth is defined by. A body inside another keeps the distance of the two surfaces.
+// geometry/decision/gap.cpp derives the bounds; they are about 1e-12 of the bodies' joint extent apart, also for
+// slivers and degenerate triangles.
 #pragma once
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "geometry/bodies.hpp"
-#include "geometry/bvh.hpp"
-#include "geometry/exact.hpp"
+#include "geometry/decision/bvh.hpp"
+#include "geometry/decision/exact.hpp"
 
 namespace geometry {
 

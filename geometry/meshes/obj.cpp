@@ -1,5 +1,5 @@
 // Wavefront OBJ: the lines v and f.
-#include "geometry/mesh_reading.hpp"
+#include "geometry/meshes/mesh_reading.hpp"
 
 namespace geometry::mesh_reading {
 

@@ -3,7 +3,7 @@
 // Any mesh whose every edge belongs to an even number of facets is a cycle modulo 2, and a path in general position
 // between two points off the surface crosses it equally often modulo 2, whichever path it is. Facets without area may
 // be left out: around a degenerate facet each point of its line is covered twice, so the others are a cycle too.
-#include "geometry/contain.hpp"
+#include "geometry/decision/contain.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "geometry/exact.hpp"
+#include "geometry/decision/exact.hpp"
 
 namespace geometry {
 namespace {

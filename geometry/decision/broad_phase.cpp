@@ -23,14 +23,14 @@
 // < 10.3 u and
 //   |R^T R - 1| <= 52.5 u + 2 x 10.3 u (1 + 27 u) + (10.3 u)^2 < 74 u < 2^-46 = 128 u = kDefect,
 // and |R v|^2 <= (1 + kDefect) |v|^2.
-#include "geometry/broad_phase.hpp"
+#include "geometry/decision/broad_phase.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
-#include "geometry/kernel.hpp"
+#include "geometry/processor_clones.hpp"
 
 namespace geometry {
 namespace {

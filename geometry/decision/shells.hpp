@@ -6,7 +6,7 @@
 #pragma once
 #include <cstddef>
 
-#include "geometry/contain.hpp"
+#include "geometry/decision/contain.hpp"
 
 namespace geometry {
 

@@ -3,8 +3,8 @@
 // A body A is contained in a closed body B when their surfaces share no point, A's surface shares no point with B's
 // closed surface either, and one vertex of every connected component of A is inside the latter by the parity rule: a
 // path from it to the outside crosses that surface an odd number of times. Exact for the world vertices as rounded by
-// to_world, like the truth (geometry/meet.hpp). A may be open: that a surface lies inside another is asked of its
-// points only. Nothing lies inside an open B.
+// to_world, like the truth (geometry/decision/meet.hpp). A may be open: that a surface lies inside another is asked of
+// its points only. Nothing lies inside an open B.
 //
 // What matters here is the surface as a set of points, so vertices of equal coordinates are one: a sphere whose seam is
 // doubled, or an STL file, is closed when its points are. (Equal local coordinates become equal world coordinates.)
@@ -36,7 +36,7 @@
 #include <vector>
 
 #include "geometry/bodies.hpp"
-#include "geometry/bvh.hpp"
+#include "geometry/decision/bvh.hpp"
 #include "geometry/mesh.hpp"
 
 namespace geometry {

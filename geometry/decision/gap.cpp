@@ -19,7 +19,7 @@
 // kError is 2^9 u: each bound is moved outwards by it, which covers the derived ones twice, and the rounding of that
 // very sum. Where the frame overflows, its coordinates are not finite, no comparison below is true and the bounds are
 // 0 and infinity.
-#include "geometry/gap.hpp"
+#include "geometry/decision/gap.hpp"
 
 #include <algorithm>
 #include <cassert>
