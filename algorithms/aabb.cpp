@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "algorithms/pairwise.hpp"
+#include "algorithms/contract/pairwise.hpp"
 #include "geometry/processor_clones.hpp"
 
 namespace algorithms {

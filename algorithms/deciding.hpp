@@ -2,7 +2,7 @@
 #pragma once
 #include <string_view>
 
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 
 namespace algorithms {
 

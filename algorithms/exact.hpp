@@ -12,7 +12,7 @@
 // truth.containment = "meet", else false. Given, it holds beside "meet" with true, beside "ignore" with false; beside
 // "record" both are right.
 #pragma once
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 
 namespace algorithms {
 

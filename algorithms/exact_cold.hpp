@@ -6,7 +6,7 @@
 // Misses  Nothing, as `exact`.
 // Extra   Nothing.
 #pragma once
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 
 namespace algorithms {
 

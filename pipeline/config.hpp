@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 #include "pipeline/result.hpp"
 #include "pipeline/shape_keys.hpp"
 #include "pipeline/simulate.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 #include "pipeline/print.hpp"
 #include "pipeline/problem.hpp"
 #include "pipeline/scene.hpp"

@@ -1,5 +1,5 @@
 // The table, the rules of knobs, and what holds for every algorithm of the table.
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 
 #include <gtest/gtest.h>
 

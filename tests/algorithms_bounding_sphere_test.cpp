@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "algorithms/bounding_sphere.hpp"
+#include "algorithms/thesis/bounding_sphere.hpp"
 #include "tests/setting.hpp"
 
 namespace algorithms {

@@ -1,7 +1,7 @@
 // facet_distance: the tree over the larger set leaves out nothing that the definition reports.
 #include <functional>
 
-#include "algorithms/facet_distance.hpp"
+#include "algorithms/thesis/facet_distance.hpp"
 #include "facet_scenes.hpp"
 
 namespace algorithms {

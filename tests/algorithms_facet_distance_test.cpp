@@ -1,5 +1,5 @@
 // facet_distance (K): answers as defined, its known errors, and that the index changes nothing.
-#include "algorithms/facet_distance.hpp"
+#include "algorithms/thesis/facet_distance.hpp"
 #include "facet_scenes.hpp"
 
 namespace algorithms {

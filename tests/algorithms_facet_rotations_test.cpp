@@ -4,7 +4,7 @@
 #include <array>
 #include <numbers>
 
-#include "algorithms/facet_rotations.hpp"
+#include "algorithms/thesis/facet_rotations.hpp"
 #include "facet_scenes.hpp"
 
 namespace algorithms {

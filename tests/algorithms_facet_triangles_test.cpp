@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 
-#include "algorithms/facet_triangles.hpp"
+#include "algorithms/thesis/facet_triangles.hpp"
 #include "facet_scenes.hpp"
 
 namespace algorithms {

@@ -1,7 +1,7 @@
 // facet_vectors (P): answers as defined and its known errors.
 #include <array>
 
-#include "algorithms/facet_vectors.hpp"
+#include "algorithms/thesis/facet_vectors.hpp"
 #include "facet_scenes.hpp"
 
 namespace algorithms {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "algorithms/obb_corners.hpp"
+#include "algorithms/thesis/obb_corners.hpp"
 #include "geometry/portable_math.hpp"
 #include "tests/setting.hpp"
 

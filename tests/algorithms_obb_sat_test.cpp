@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "algorithms/obb_sat.hpp"
+#include "algorithms/thesis/obb_sat.hpp"
 #include "tests/setting.hpp"
 
 namespace algorithms {

@@ -2,9 +2,9 @@
 
 #include <array>
 
-#include "algorithms/obb_triangles.hpp"
-#include "geometry/triangle.hpp"
-#include "geometry/turned_box.hpp"
+#include "algorithms/parts/eleven_axes.hpp"
+#include "algorithms/parts/turned_box.hpp"
+#include "algorithms/thesis/obb_triangles.hpp"
 #include "tests/setting.hpp"
 
 namespace algorithms {

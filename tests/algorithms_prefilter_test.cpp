@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "algorithms/prefilter.hpp"
+#include "algorithms/contract/prefilter.hpp"
 #include "tests/setting.hpp"
 
 namespace algorithms {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "algorithms/rotated_aabb.hpp"
+#include "algorithms/thesis/rotated_aabb.hpp"
 #include "geometry/portable_math.hpp"
 #include "tests/setting.hpp"
 

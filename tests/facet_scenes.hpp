@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "algorithms/algorithm.hpp"
-#include "geometry/facets.hpp"
+#include "algorithms/contract/algorithm.hpp"
+#include "algorithms/parts/facets.hpp"
 #include "geometry/meshes/shapes.hpp"
 
 namespace facet_scenes {

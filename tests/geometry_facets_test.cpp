@@ -9,7 +9,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "geometry/facets.hpp"
+#include "algorithms/parts/facets.hpp"
 #include "geometry/meshes/shapes.hpp"
 
 namespace geometry {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <random>
 
-#include "geometry/point_tree.hpp"
+#include "algorithms/parts/point_tree.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 #include "geometry/decision/meet.hpp"
 #include "geometry/meshes/shapes.hpp"
 

@@ -11,10 +11,10 @@
 #include <memory>
 #include <random>
 
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
+#include "algorithms/parts/eleven_axes.hpp"
 #include "geometry/decision/exact.hpp"
 #include "geometry/meshes/shapes.hpp"
-#include "geometry/triangle.hpp"
 #include "pipeline/store.hpp"
 
 namespace {

@@ -31,7 +31,7 @@
 #include <utility>
 #include <vector>
 
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 #include "geometry/meshes/shapes.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/part.hpp"
