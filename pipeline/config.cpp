@@ -8,13 +8,13 @@
 #include <cmath>
 #include <set>
 
-#include "pipeline/document.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/file_bytes.hpp"
-#include "pipeline/scene.hpp"
-#include "pipeline/study.hpp"
-#include "pipeline/truth.hpp"
-#include "pipeline/words.hpp"
+#include "pipeline/scene/document.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/truth.hpp"
+#include "pipeline/study/study.hpp"
+#include "pipeline/system/file_bytes.hpp"
+#include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/words.hpp"
 
 namespace pipeline {
 namespace {

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "algorithms/contract/algorithm.hpp"
-#include "pipeline/result.hpp"
-#include "pipeline/shape_keys.hpp"
-#include "pipeline/simulate.hpp"
+#include "pipeline/physics/simulate.hpp"
+#include "pipeline/result/result.hpp"
+#include "pipeline/scene/shape_keys.hpp"
 
 namespace pipeline {
 
@@ -83,7 +83,7 @@ struct PlaygroundScene {
   std::vector<PlaygroundPath> paths;          // the twelve when the configuration names none
 };
 
-struct ReplayInputs;  // pipeline/scene_replay.cpp: what the files hold
+struct ReplayInputs;  // pipeline/scene/replay.cpp: what the files hold
 
 /// One body of a replayed scene.
 struct ReplayBody {
@@ -144,7 +144,7 @@ struct Study {
   double energy_bound = 10;    // of the problem's energy: more gained is a failure
 };
 
-struct SceneKind;  // pipeline/scene.hpp
+struct SceneKind;  // pipeline/scene/scene.hpp
 
 constexpr std::int64_t kSeed = 1;
 

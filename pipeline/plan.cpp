@@ -6,16 +6,16 @@
 #include <stdexcept>
 
 #include "geometry/decision/bvh.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/part.hpp"
-#include "pipeline/passes.hpp"
-#include "pipeline/print.hpp"
-#include "pipeline/provenance.hpp"
-#include "pipeline/scene.hpp"
-#include "pipeline/study.hpp"
-#include "pipeline/threads.hpp"
+#include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/provenance.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/passes.hpp"
+#include "pipeline/stages/truth.hpp"
+#include "pipeline/study/study.hpp"
+#include "pipeline/system/threads.hpp"
+#include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/print.hpp"
 #include "pipeline/trial.hpp"
-#include "pipeline/truth.hpp"
 
 namespace pipeline {
 namespace {

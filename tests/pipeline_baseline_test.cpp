@@ -5,8 +5,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "pipeline/baseline.hpp"
-#include "pipeline/error.hpp"
+#include "pipeline/commands/score.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "tests/synthetic_result.hpp"
 #include "tests/temporary_folder.hpp"
 

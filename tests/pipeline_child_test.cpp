@@ -13,9 +13,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "pipeline/child.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/progress.hpp"
+#include "pipeline/system/child.hpp"
+#include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/progress.hpp"
 
 namespace {
 
@@ -80,8 +80,8 @@ TEST(Child, OneThatSleepsIsEndedInTime) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
-// 22 November 2026: of 25 studies of which the whole group got SIGTERM (as by a service manager) 14 had rows "crashed by
-// signal 15" in their part, and kept them when resumed.
+// 22 November 2026: of 25 studies of which the whole group got SIGTERM (as by a service manager) 14 had rows "crashed
+// by signal 15" in their part, and kept them when resumed.
 TEST(Child, SignalsToTheWholeGroupAreTheParentsToJudge) {
   const auto all = ended(1, 1, {}, [](std::size_t) -> std::string {
     std::raise(SIGINT);
@@ -92,8 +92,8 @@ TEST(Child, SignalsToTheWholeGroupAreTheParentsToJudge) {
   EXPECT_EQ(all.at(0).bytes, "well");
 }
 
-// A lock lasts as long as any process has its file: in 22 of 40 studies killed with -9 the children, about to die, still
-// held it, and the same command at once was refused.
+// A lock lasts as long as any process has its file: in 22 of 40 studies killed with -9 the children, about to die,
+// still held it, and the same command at once was refused.
 TEST(Child, HoldsNoFileOfItsParent) {
   const int lock = open("/dev/null", O_RDONLY);
   const auto all = ended(2, 2, {}, [lock](std::size_t) -> std::string {

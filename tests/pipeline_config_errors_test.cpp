@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "pipeline/config.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/words.hpp"
+#include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/words.hpp"
 
 namespace pipeline {
 namespace {

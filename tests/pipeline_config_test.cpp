@@ -5,8 +5,8 @@
 #include <random>
 
 #include "pipeline/config.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/words.hpp"
+#include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/words.hpp"
 
 namespace pipeline {
 namespace {

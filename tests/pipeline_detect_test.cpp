@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "geometry/meshes/shapes.hpp"
-#include "pipeline/detect.hpp"
-#include "pipeline/truth.hpp"
+#include "pipeline/stages/detect.hpp"
+#include "pipeline/stages/truth.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace pipeline;

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "pipeline/digest.hpp"
+#include "pipeline/result/digest.hpp"
 #include "synthetic_result.hpp"
 
 namespace pipeline {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "pipeline/export.hpp"
+#include "pipeline/commands/export.hpp"
 #include "tests/synthetic_result.hpp"
 
 // Labels of ours are letters and digits; a result of another program's making may hold anything.

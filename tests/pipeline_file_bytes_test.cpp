@@ -7,7 +7,7 @@
 
 #include <fstream>
 
-#include "pipeline/file_bytes.hpp"
+#include "pipeline/system/file_bytes.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace pipeline;

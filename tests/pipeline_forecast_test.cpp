@@ -2,8 +2,8 @@
 
 #include <thread>
 
-#include "pipeline/forecast.hpp"
-#include "pipeline/progress.hpp"
+#include "pipeline/terminal/forecast.hpp"
+#include "pipeline/terminal/progress.hpp"
 
 namespace {
 

@@ -4,8 +4,8 @@
 
 #include <fstream>
 
-#include "pipeline/error.hpp"
-#include "pipeline/foreign.hpp"
+#include "pipeline/system/foreign.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pipeline {

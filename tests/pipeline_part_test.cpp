@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "pipeline/error.hpp"
-#include "pipeline/part.hpp"
+#include "pipeline/result/checkpoint.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace pipeline;

@@ -4,13 +4,13 @@
 #include <fstream>
 #include <iterator>
 
-#include "pipeline/detect.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/passes.hpp"
+#include "pipeline/result/store.hpp"
 #include "pipeline/run.hpp"
-#include "pipeline/scene.hpp"
-#include "pipeline/store.hpp"
-#include "pipeline/truth.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/detect.hpp"
+#include "pipeline/stages/passes.hpp"
+#include "pipeline/stages/truth.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "tests/synthetic_result.hpp"
 #include "tests/temporary_folder.hpp"
 

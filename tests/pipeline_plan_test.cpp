@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "pipeline/error.hpp"
 #include "pipeline/plan.hpp"
-#include "pipeline/scene.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "pipeline/trial.hpp"
 
 namespace {

@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "pipeline/error.hpp"
-#include "pipeline/poses_csv.hpp"
+#include "pipeline/scene/poses_csv.hpp"
+#include "pipeline/terminal/error.hpp"
 
 using namespace pipeline;
 using geometry::Vec3;

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "pipeline/reference.hpp"
+#include "pipeline/study/reference.hpp"
 
 namespace {
 

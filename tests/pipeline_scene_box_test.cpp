@@ -4,9 +4,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "pipeline/error.hpp"
-#include "pipeline/motion.hpp"
-#include "pipeline/scene.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/motion.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace pipeline;

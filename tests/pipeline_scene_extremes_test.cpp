@@ -6,9 +6,9 @@
 #include <set>
 
 #include "geometry/decision/oracle.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/scene.hpp"
-#include "pipeline/truth.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/truth.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace pipeline;

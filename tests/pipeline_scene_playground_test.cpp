@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "pipeline/error.hpp"
-#include "pipeline/scene.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/terminal/error.hpp"
 
 using namespace pipeline;
 using geometry::Vec3;

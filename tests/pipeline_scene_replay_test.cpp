@@ -2,8 +2,8 @@
 
 #include <fstream>
 
-#include "pipeline/error.hpp"
-#include "pipeline/scene.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace pipeline;

@@ -1,10 +1,10 @@
-#include "pipeline/scene.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <set>
+
+#include "pipeline/scene/scene.hpp"
 
 using namespace pipeline;
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "pipeline/score.hpp"
+#include "pipeline/stages/summary.hpp"
 
 using namespace pipeline;
 

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "pipeline/seal.hpp"
+#include "pipeline/result/seal.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace pipeline {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "pipeline/error.hpp"
-#include "pipeline/shape_keys.hpp"
+#include "pipeline/scene/shape_keys.hpp"
+#include "pipeline/terminal/error.hpp"
 
 using namespace pipeline;
 

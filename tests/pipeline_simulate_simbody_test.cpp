@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "pipeline/simulate.hpp"
+#include "pipeline/physics/simulate.hpp"
 
 namespace {
 

@@ -10,10 +10,10 @@
 #include <functional>
 #include <iterator>
 
-#include "pipeline/error.hpp"
-#include "pipeline/h5.hpp"
-#include "pipeline/seal.hpp"
-#include "pipeline/store.hpp"
+#include "pipeline/result/h5.hpp"
+#include "pipeline/result/seal.hpp"
+#include "pipeline/result/store.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "synthetic_result.hpp"
 
 namespace pipeline {

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "pipeline/config.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/part.hpp"
-#include "pipeline/problem.hpp"
-#include "pipeline/study.hpp"
+#include "pipeline/result/checkpoint.hpp"
+#include "pipeline/study/problem.hpp"
+#include "pipeline/study/study.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace {

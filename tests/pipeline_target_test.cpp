@@ -9,8 +9,8 @@
 #include <memory>
 #include <set>
 
-#include "pipeline/error.hpp"
-#include "pipeline/target.hpp"
+#include "pipeline/result/output_file.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "tests/temporary_folder.hpp"
 
 using namespace pipeline;

@@ -6,8 +6,8 @@
 
 #include "geometry/decision/oracle.hpp"
 #include "geometry/meshes/shapes.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/verify.hpp"
+#include "pipeline/commands/verify.hpp"
+#include "pipeline/terminal/error.hpp"
 #include "tests/setting.hpp"
 
 namespace pipeline {

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "pipeline/print.hpp"
-#include "pipeline/words.hpp"
+#include "pipeline/terminal/print.hpp"
+#include "pipeline/terminal/words.hpp"
 
 namespace pipeline {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/simulate.hpp"
+#include "pipeline/physics/simulate.hpp"
 
 namespace rigid {
 

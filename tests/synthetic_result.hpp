@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/meshes/shapes.hpp"
-#include "pipeline/result.hpp"
+#include "pipeline/result/result.hpp"
 
 namespace pipeline {
 

@@ -15,7 +15,7 @@
 #include "algorithms/parts/eleven_axes.hpp"
 #include "geometry/decision/exact.hpp"
 #include "geometry/meshes/shapes.hpp"
-#include "pipeline/store.hpp"
+#include "pipeline/result/store.hpp"
 
 namespace {
 

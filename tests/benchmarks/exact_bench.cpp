@@ -33,9 +33,9 @@
 
 #include "algorithms/contract/algorithm.hpp"
 #include "geometry/meshes/shapes.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/part.hpp"
-#include "pipeline/store.hpp"
+#include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/store.hpp"
+#include "pipeline/terminal/error.hpp"
 
 namespace {
 

@@ -21,7 +21,7 @@
 #include "geometry/decision/broad_phase.hpp"
 #include "geometry/decision/meet.hpp"
 #include "geometry/meshes/shapes.hpp"
-#include "pipeline/store.hpp"
+#include "pipeline/result/store.hpp"
 
 namespace {
 
