@@ -8,7 +8,7 @@
 // wrong of the same.
 //
 // CGAL's exact stage computes in multi-precision numbers with an exponent of 32 bits, so denormals and
-// coordinates up to the greatest double are no special case (tests/geometry_exact_test.cpp asks for both).
+// coordinates up to the greatest double are no special case (tests/geometry/exact_test.cpp asks for both).
 #include "geometry/decision/exact.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

@@ -1,7 +1,7 @@
 // Contacts of spheres and boxes, and their force. C++17 with Simbody's small vectors: only simulate.cpp includes it.
 //
 // The law is that of Simbody's CompliantContactSubsystem for Hertz circular contact (its header and the documentation
-// of ContactMaterial), so that the two can be compared: tests/pipeline_simulate_simbody_test.cpp does.
+// of ContactMaterial), so that the two can be compared: tests/pipeline/simulate_simbody_test.cpp does.
 #pragma once
 #include <SimTKcommon.h>
 
