@@ -15,17 +15,13 @@
 #include "pipeline/system/threads.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/print.hpp"
+#include "pipeline/terminal/words.hpp"
 #include "pipeline/trial.hpp"
 
 namespace pipeline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string mebibytes_text(std::uint64_t bytes) {
-  return bytes < (1u << 30) ? print("%.1f MiB", double(bytes) / (1 << 20))
-                            : print("%.1f GiB", double(bytes) / (1 << 30));
-}
 
 // ---- What runs were measured to take --------------------------------------------------------------------------------
 //
@@ -217,10 +213,6 @@ void add_bytes(const Config& config, const SceneSize& size, const Poses& poses, 
 }
 
 }  // namespace
-
-std::string bytes_text(std::uint64_t bytes) {
-  return bytes < (1u << 20) ? print("%.0f KiB", double(bytes) / 1024) : mebibytes_text(bytes);
-}
 
 Plan plan(const Config& config) {
   if (config.study) {

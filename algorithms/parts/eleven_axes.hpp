@@ -12,6 +12,7 @@
 // L.Ei and L.Fj) are exactly 0. Dot products add as (x + y) + z.
 #pragma once
 #include "geometry/pose.hpp"
+#include "geometry/vec.hpp"
 
 namespace geometry {
 
@@ -23,12 +24,6 @@ struct EdgedTriangle {
 };
 
 namespace eleven_axes {
-
-inline double dot(const Vec3& a, const Vec3& b) { return (a.x() * b.x() + a.y() * b.y()) + a.z() * b.z(); }
-
-inline Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
-}
 
 /// True when {0, p, q} and {d, d + r, d + s} are strictly apart.
 inline bool apart(double p, double q, double d, double r, double s) {
@@ -44,7 +39,7 @@ inline bool apart(double p, double q, double d, double r, double s) {
 
 inline EdgedTriangle edged(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 e0 = b - a, e1 = c - a;
-  return {a, {e0, e1, e1 - e0}, eleven_axes::cross(e0, e1)};
+  return {a, {e0, e1, e1 - e0}, cross(e0, e1)};
 }
 
 /// True when no axis of the eleven separates the triangles strictly: touching is "yes".

@@ -19,9 +19,9 @@ namespace algorithms {
 namespace {
 
 using geometry::Ball;
+using geometry::dot;
 using geometry::EdgedTriangle;
 using geometry::Points;
-using geometry::eleven_axes::dot;
 
 struct FacetTriangles {
   FacetTriangles(const Bodies& bodies, const Knobs& knobs) : placed(bodies, inflated_points(bodies, knobs)) {

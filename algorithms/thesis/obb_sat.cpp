@@ -4,10 +4,12 @@
 
 #include "algorithms/contract/pairwise.hpp"
 #include "geometry/processor_clones.hpp"
+#include "geometry/vec.hpp"
 
 namespace algorithms {
 namespace {
 
+using geometry::dot;
 using geometry::Mat3;
 using geometry::Vec3;
 
@@ -45,8 +47,8 @@ bool axes_overlap(const OrientedBox& a, const OrientedBox& b, Count& count) {
   const Vec3 between = b.middle - a.middle;
   double c[3][3], d[3];
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) c[i][j] = a.axes.col(i).dot(b.axes.col(j));
-    d[i] = a.axes.col(i).dot(between);
+    for (int j = 0; j < 3; ++j) c[i][j] = dot(a.axes.col(i), b.axes.col(j));
+    d[i] = dot(a.axes.col(i), between);
   }
   const Vec3 &ha = a.half, &hb = b.half;
   for (int i = 0; i < 3; ++i) {
@@ -57,7 +59,7 @@ bool axes_overlap(const OrientedBox& a, const OrientedBox& b, Count& count) {
   for (int j = 0; j < 3; ++j) {
     count += 1;
     const double reach = hb[j] + (std::fabs(c[0][j]) * ha[0] + std::fabs(c[1][j]) * ha[1] + std::fabs(c[2][j]) * ha[2]);
-    if (std::fabs(b.axes.col(j).dot(between)) > reach) return false;
+    if (std::fabs(dot(b.axes.col(j), between)) > reach) return false;
   }
   for (int i = 0; i < 3; ++i) {
     const int k = (i + 1) % 3, l = (i + 2) % 3;

@@ -13,6 +13,8 @@
 #include <numeric>
 #include <utility>
 
+#include "geometry/vec.hpp"
+
 namespace geometry {
 namespace {
 
@@ -34,8 +36,6 @@ double as_float(double x) {
   const volatile float rounded = static_cast<float>(x);
   return rounded;
 }
-
-double dot(const Vec3& d, const Vec3& p) { return (d.x() * p.x() + d.y() * p.y()) + d.z() * p.z(); }
 
 class Builder {
  public:

@@ -22,6 +22,8 @@
 #include <utility>
 #include <variant>
 
+#include "geometry/vec.hpp"
+
 namespace geometry {
 namespace {
 
@@ -43,8 +45,6 @@ Normal normal(const Vec3& p, const Vec3& q, const Vec3& r) {
   return {{yz - zy, zx - xz, xy - yx},
           {std::fabs(yz) + std::fabs(zy), std::fabs(zx) + std::fabs(xz), std::fabs(xy) + std::fabs(yx)}};
 }
-
-double dot(const Vec3& a, const Vec3& b) { return (a.x() * b.x() + a.y() * b.y()) + a.z() * b.z(); }
 
 // Error of dot(normal(p, q, r).n, s - p), with u = 2^-53 and h = 2^-1075, the greatest absolute error of a product that
 // underflows (sums and differences never lose anything to underflow). A component of the normal passes through four

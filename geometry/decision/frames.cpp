@@ -57,11 +57,10 @@
 #include <limits>
 
 #include "geometry/processor_clones.hpp"
+#include "geometry/vec.hpp"
 
 namespace geometry {
 namespace {
-
-double dot(const Vec3& d, const Vec3& p) { return (d.x() * p.x() + d.y() * p.y()) + d.z() * p.z(); }
 
 Vec3 transposed_times(const Mat3& r, const Vec3& d) { return {dot(r.col(0), d), dot(r.col(1), d), dot(r.col(2), d)}; }
 

@@ -27,16 +27,19 @@
 #include <limits>
 #include <tuple>
 
+#include "geometry/vec.hpp"
+
 namespace geometry {
 namespace {
+
+using geometry::cross;  // beside those of other numbers below
+using geometry::dot;
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kError = 0x1p-44;  // in the frame of two triangles, derived above
 // Bounds are wanted this near to each other, of the bodies' joint extent: above 2 kError, below 1e-12.
 constexpr double kWidth = 0x1p-42;
-
-double dot(const Vec3& a, const Vec3& b) { return (a.x() * b.x() + a.y() * b.y()) + a.z() * b.z(); }
 
 /// Two triangles in their own frame: corners 0 to 2 are a's, 3 to 5 b's.
 struct Frame {

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "geometry/decision/exact.hpp"
+#include "geometry/vec.hpp"
 
 namespace geometry {
 namespace {
@@ -25,8 +26,6 @@ std::uint32_t above(const Bvh& bvh, std::uint32_t k, std::size_t up) {
   }
   return path[depth - std::min(depth, up)];
 }
-
-double dot(const Vec3& d, const Vec3& p) { return (d.x() * p.x() + d.y() * p.y()) + d.z() * p.z(); }
 
 /// A guess, for the order of the questions only.
 bool hardly_touch(const Body& a, const Body& b) {

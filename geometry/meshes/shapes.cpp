@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "geometry/portable_math.hpp"
+#include "geometry/vec.hpp"
 
 namespace geometry {
 namespace {
@@ -149,12 +150,6 @@ double greatest_on_grid(const Mesh& mesh, const Distance& distance) {
       }
   }
   return greatest;
-}
-
-double dot(const Vec3& a, const Vec3& b) { return (a.x() * b.x() + a.y() * b.y()) + a.z() * b.z(); }
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
 }
 
 Vec3 unit(const Vec3& v) { return v / std::sqrt(dot(v, v)); }

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "geometry/decision/oracle.hpp"
-#include "pipeline/random.hpp"
+#include "geometry/random.hpp"
 #include "pipeline/system/threads.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/print.hpp"
@@ -159,7 +159,7 @@ using Sample = std::optional<std::vector<std::uint64_t>>;
 /// 1987).
 Sample sample(std::uint64_t n, std::uint64_t wanted, std::uint64_t stream) {
   if (wanted >= n) return std::nullopt;
-  Random random = Random::of(kSeed, stream);
+  geometry::Random random = geometry::Random::of(kSeed, stream);
   std::set<std::uint64_t> out;
   for (std::uint64_t j = n - wanted; j < n; ++j)
     if (!out.insert(random.next() % (j + 1)).second) out.insert(j);

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "pipeline/result/store.hpp"
-#include "pipeline/stages/truth.hpp"
 
 namespace pipeline {
 namespace {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "geometry/bodies.hpp"
@@ -32,9 +33,16 @@ struct PairLists {
   }
 };
 
+/// The pairs of `from` that are not among `these`; all sorted.
+std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these);
+
 /// What becomes of pairs of which one body lies wholly inside the other: not looked for, listed and counted apart, or
 /// counted as meeting.
 enum class Containment { ignore, record, meet };
+
+/// Containment as configurations and files spell it.
+std::string_view text_of(Containment containment);
+std::optional<Containment> containment_of(std::string_view text);
 
 /// The machine and build that timed something.
 struct Machine {

@@ -20,7 +20,6 @@
 #include "pipeline/result/h5_reader.hpp"
 #include "pipeline/result/layout.hpp"
 #include "pipeline/result/seal.hpp"
-#include "pipeline/stages/truth.hpp"
 #include "pipeline/system/child.hpp"
 #include "pipeline/system/foreign.hpp"
 #include "pipeline/terminal/error.hpp"

@@ -17,7 +17,7 @@
 #include <numbers>
 
 #include "geometry/meshes/shapes.hpp"
-#include "pipeline/random.hpp"
+#include "geometry/random.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/terminal/error.hpp"
 
@@ -30,7 +30,7 @@ constexpr double kMostSpeed = 1e4;            // m/s
 constexpr std::size_t kPlates = 6;            // bodies 0 to 5; sphere i is body 6 + i
 constexpr char kAxes[] = "xyz";
 
-const BoxScene& box_of(const Config& config) { return std::get<BoxScene>(config.scene); }
+const BoxScene& box_of(const SceneConfig& config) { return std::get<BoxScene>(config.scene); }
 
 /// Spheres that are born by `step`, that step included.
 std::int64_t born_by(const BoxScene& box, std::int64_t step) {
@@ -55,7 +55,7 @@ void refuse_too_many(const Section& section, const BoxScene& box, std::int64_t s
                  "'scene.half_width'");
 }
 
-void read(const Section& s, Config& config) {
+void read(const Section& s, SceneConfig& config) {
   s.only({"kind", "segments", "radius", "density", "half_width", "thickness", "births", "push"});
   BoxScene box;
   box.segments = s.integer("segments", box.segments, 1, kMostSegments);
@@ -90,7 +90,7 @@ void read(const Section& s, Config& config) {
   physics.material.dynamic_friction = 0.05;
 }
 
-void write(const Config& config, TomlText& out) {
+void write(const SceneConfig& config, TomlText& out) {
   const BoxScene& box = box_of(config);
   out.line("segments", box.segments);
   out.line("radius", box.radius);
@@ -108,7 +108,7 @@ void write(const Config& config, TomlText& out) {
   out.list("directions", box.push.directions);
 }
 
-SceneSize size(const Config& config) {
+SceneSize size(const SceneConfig& config) {
   const BoxScene& box = box_of(config);
   const MeshSize plate = mesh_size(BoxShape{}), sphere = mesh_size(SphereShape{box.radius, box.segments});
   const std::uint64_t spheres = std::uint64_t(box.births.count);
@@ -121,7 +121,7 @@ SceneSize size(const Config& config) {
 
 /// Bodies 0 to 5 are the plates -x, +x, -y, +y, -z, +z, each as wide as the whole cube, so that they overlap along its
 /// edges. The spheres follow, none of them born yet.
-Scene make(const Config& config) {
+Scene make(const SceneConfig& config) {
   const BoxScene& box = box_of(config);
   Scene scene;
   geometry::Bodies& bodies = scene.bodies;
@@ -155,10 +155,11 @@ Scene make(const Config& config) {
 
 /// A random place inside, clear of the plates and of every sphere that is there, at rest. The meshes lie within the
 /// nominal spheres, so they are apart too.
-BodyState born(const Config& config, std::int64_t sphere, std::int64_t step, const std::vector<BodyState>& states) {
+BodyState born(const SceneConfig& config, std::int64_t sphere, std::int64_t step,
+               const std::vector<BodyState>& states) {
   const BoxScene& box = box_of(config);
   const double room = box.half_width - box.radius, clear_squared = 4 * box.radius * box.radius;
-  Random random = Random::of(std::uint64_t(config.seed), std::uint64_t(sphere));
+  geometry::Random random = geometry::Random::of(std::uint64_t(config.seed), std::uint64_t(sphere));
   BodyState state;
   const geometry::Quaternion q = random.rotation();
   state.orientation = {q.w, q.x, q.y, q.z};
@@ -192,7 +193,7 @@ void push(BodyState& state, const std::string& direction, double speed) {
 }
 
 /// Births, then the push, which moves the newborn too.
-bool events(const Config& config, std::int64_t step, std::vector<BodyState>& states) {
+bool events(const SceneConfig& config, std::int64_t step, std::vector<BodyState>& states) {
   const BoxScene& box = box_of(config);
   const std::int64_t first = step == 0 ? 0 : born_by(box, step - 1), last = born_by(box, step);
   for (std::int64_t i = first; i < last; ++i) states[kPlates + std::size_t(i)] = born(config, i, step, states);
@@ -209,7 +210,7 @@ bool events(const Config& config, std::int64_t step, std::vector<BodyState>& sta
 }
 
 /// A sphere has left when its centre is in a plate or beyond: a deeper contact would push it out on the far side.
-std::string breach(const Config& config, const std::vector<BodyState>& states) {
+std::string breach(const SceneConfig& config, const std::vector<BodyState>& states) {
   const double inside = box_of(config).half_width;
   for (std::size_t body = kPlates; body < states.size(); ++body)
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -219,7 +220,7 @@ std::string breach(const Config& config, const std::vector<BodyState>& states) {
   return "";
 }
 
-std::vector<Ahead> ahead(const Config& config) {
+std::vector<Ahead> ahead(const SceneConfig& config) {
   const BoxScene& box = box_of(config);
   std::vector<Ahead> out{{.what = "births",
                           .first = double(box.births.from),
@@ -232,7 +233,7 @@ std::vector<Ahead> ahead(const Config& config) {
 }
 
 /// All spheres are born, and what was born flies.
-void hurry(const Config& config, std::vector<BodyState>& states) {
+void hurry(const SceneConfig& config, std::vector<BodyState>& states) {
   const BoxScene& box = box_of(config);
   for (std::int64_t i = 0; i < born_by(box, config.steps - 1); ++i) {
     BodyState& state = states[kPlates + std::size_t(i)];
@@ -253,7 +254,7 @@ SceneKind box_kind() {
           .make = make,
           .events = events,
           .breach = breach,
-          .draws = [](const Config&) { return true; },  // where every sphere is born
+          .draws = [](const SceneConfig&) { return true; },  // where every sphere is born
           .ahead = ahead,
           .hurry = hurry};
 }

@@ -13,7 +13,7 @@
 
 #include "geometry/decision/meet.hpp"
 #include "geometry/meshes/shapes.hpp"
-#include "pipeline/random.hpp"
+#include "geometry/random.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
@@ -156,7 +156,7 @@ void for_each_set(const ExtremesScene& scene, const std::vector<Place>& all, Vis
 
 // ---- Keys ----------------------------------------------------------------------------------------------------------
 
-void read(const Section& s, Config& config) {
+void read(const Section& s, SceneConfig& config) {
   s.only({"kind", "pairs", "scales", "offsets", "orientations"});
   ExtremesScene scene;
   scene.pairs = s.choices("pairs", pair_names(), pair_names());
@@ -171,7 +171,7 @@ void read(const Section& s, Config& config) {
   config.scene = std::move(scene);
 }
 
-void write(const Config& config, TomlText& out) {
+void write(const SceneConfig& config, TomlText& out) {
   const ExtremesScene& scene = std::get<ExtremesScene>(config.scene);
   out.list("pairs", scene.pairs);
   out.list("scales", scene.scales);
@@ -181,7 +181,7 @@ void write(const Config& config, TomlText& out) {
 
 // ---- Size and bodies -----------------------------------------------------------------------------------------------
 
-std::int64_t steps(const Config& config) {
+std::int64_t steps(const SceneConfig& config) {
   const ExtremesScene& scene = std::get<ExtremesScene>(config.scene);
   std::int64_t out = 0;
   for_each_set(scene, places(scene),
@@ -213,7 +213,7 @@ struct AllBodies {
   }
 };
 
-SceneSize size(const Config& config) {
+SceneSize size(const SceneConfig& config) {
   const ExtremesScene& scene = std::get<ExtremesScene>(config.scene);
   const std::vector<Place> all = places(scene);
   const geometry::Bodies bodies = AllBodies(scene, all).bodies;
@@ -237,7 +237,7 @@ SceneSize size(const Config& config) {
   return size;
 }
 
-std::vector<Ahead> ahead(const Config& config) {
+std::vector<Ahead> ahead(const SceneConfig& config) {
   const ExtremesScene& scene = std::get<ExtremesScene>(config.scene);
   std::vector<Ahead> out;
   double step = 0;
@@ -269,7 +269,7 @@ class Approach {
   }
 
   /// Turns both by the stream and finds where they first touch; false when they never do.
-  bool find(Random random) {
+  bool find(geometry::Random random) {
     const auto axis = std::size_t(random.next() % 3);
     const double sign = random.next() % 2 ? 1 : -1;
     a_.q = b_.q = {};
@@ -332,7 +332,7 @@ class Approach {
   Vec3 start_ = Vec3::Zero(), along_ = Vec3::Zero();
 };
 
-Scene make(const Config& config) {
+Scene make(const SceneConfig& config) {
   const ExtremesScene& extremes = std::get<ExtremesScene>(config.scene);
   const std::vector<Place> all = places(extremes);
   AllBodies table(extremes, all);
@@ -347,7 +347,7 @@ Scene make(const Config& config) {
                 .b = table.find_or_add('b', kind.b, place.scale)};
     Approach approach(table.bodies.mesh_of(set.a), table.bodies.mesh_of(set.b), kind, place);
     std::uint64_t stream = number * kTries;
-    while (!approach.find(Random::of(std::uint64_t(config.seed), stream)))
+    while (!approach.find(geometry::Random::of(std::uint64_t(config.seed), stream)))
       if (++stream == (number + 1) * kTries)
         throw Error(kInput, one_line(config.path.string(), 4096) + ": '" + kind.name + "' at scale " +
                                 real_text(place.scale) + " and offset " + real_text(place.offset) +
@@ -388,7 +388,7 @@ SceneKind extremes_kind() {
           .size = size,
           .make = make,
           .steps = steps,
-          .draws = [](const Config&) { return true; },  // how the two of every pair lie
+          .draws = [](const SceneConfig&) { return true; },  // how the two of every pair lie
           .ahead = ahead};
 }
 

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "geometry/meshes/shapes.hpp"
-#include "pipeline/random.hpp"
+#include "geometry/random.hpp"
 #include "pipeline/scene/scene.hpp"
 
 namespace pipeline {
@@ -20,7 +20,7 @@ std::int64_t sphere_count(const FallingSet& set) {
   return set.lying[0] * set.lying[1] + set.above[0] * set.above[1] * set.above[2];
 }
 
-void read(const Section& s, Config& config) {
+void read(const Section& s, SceneConfig& config) {
   s.only({"kind", "segments", "radius", "density", "plate", "shift", "jitter", "set"});
   FallingScene scene;
   scene.segments = s.integer("segments", scene.segments, 1, kMostSegments);
@@ -49,7 +49,7 @@ void read(const Section& s, Config& config) {
   config.scene = std::move(scene);
 }
 
-void write(const Config& config, TomlText& out) {
+void write(const SceneConfig& config, TomlText& out) {
   const FallingScene& scene = std::get<FallingScene>(config.scene);
   out.line("segments", scene.segments);
   out.line("radius", scene.radius);
@@ -67,7 +67,7 @@ void write(const Config& config, TomlText& out) {
   }
 }
 
-SceneSize size(const Config& config) {
+SceneSize size(const SceneConfig& config) {
   const FallingScene& scene = std::get<FallingScene>(config.scene);
   std::uint64_t spheres = 0;
   for (const FallingSet& set : scene.sets) spheres += std::uint64_t(sphere_count(set));
@@ -81,7 +81,7 @@ SceneSize size(const Config& config) {
 
 /// Body 0 is the plate, then set by set the lying and the upper spheres, x slowest. An upper sphere is displaced along
 /// x, y and z by jitter times three numbers in [-1, 1), the first three of the stream of its body's number.
-Scene make(const Config& config) {
+Scene make(const SceneConfig& config) {
   const FallingScene& falling = std::get<FallingScene>(config.scene);
   Scene scene;
   geometry::Bodies& bodies = scene.bodies;
@@ -99,7 +99,7 @@ Scene make(const Config& config) {
   };
   const auto displace = [&] {
     if (falling.jitter == 0) return;
-    Random random = Random::of(std::uint64_t(config.seed), scene.states.size() - 1);
+    geometry::Random random = geometry::Random::of(std::uint64_t(config.seed), scene.states.size() - 1);
     for (double& coordinate : scene.states.back().position) coordinate += falling.jitter * random.signed_unit();
   };
 
@@ -147,7 +147,7 @@ double drop(const FallingScene& falling, const FallingSet& set) {
   return set.height - r - (meets ? std::sqrt(4 * r * r - aside) : 0);
 }
 
-std::vector<Ahead> ahead(const Config& config) {
+std::vector<Ahead> ahead(const SceneConfig& config) {
   const FallingScene& falling = std::get<FallingScene>(config.scene);
   constexpr double kLively = 0.75;  // of the time of the fall; measured on the third set of padani.toml
   std::vector<Ahead> out;
@@ -171,7 +171,7 @@ std::vector<Ahead> ahead(const Config& config) {
 }
 
 /// Every set has just landed and is pressed together: near pairs that do not meet cost the most.
-void hurry(const Config& config, std::vector<BodyState>& states) {
+void hurry(const SceneConfig& config, std::vector<BodyState>& states) {
   constexpr double kPressed = 2.02;  // radii from middle to middle
   const FallingScene& falling = std::get<FallingScene>(config.scene);
   const double gravity = -config.physics.gravity[1];
@@ -202,7 +202,7 @@ SceneKind falling_kind() {
           .write = write,
           .size = size,
           .make = make,
-          .draws = [](const Config& config) { return std::get<FallingScene>(config.scene).jitter > 0; },
+          .draws = [](const SceneConfig& config) { return std::get<FallingScene>(config.scene).jitter > 0; },
           .draw_by = "scene.jitter above 0",
           .ahead = ahead,
           .hurry = hurry};

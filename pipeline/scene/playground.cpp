@@ -255,7 +255,7 @@ PlaygroundPath read_path(const Section& s, const std::vector<std::string>& obsta
   return path;
 }
 
-void read(const Section& s, Config& config) {
+void read(const Section& s, SceneConfig& config) {
   s.only({"kind", "step", "hero", "obstacle", "path"});
   PlaygroundScene scene;
   scene.step = s.real("step", scene.step, {.least = kLeastStep, .most = kMostLength});
@@ -277,7 +277,7 @@ void read(const Section& s, Config& config) {
   config.scene = std::move(scene);
 }
 
-void write(const Config& config, TomlText& out) {
+void write(const SceneConfig& config, TomlText& out) {
   const PlaygroundScene& scene = std::get<PlaygroundScene>(config.scene);
   out.line("step", scene.step);
   out.table("[scene.hero]");
@@ -308,7 +308,7 @@ void write(const Config& config, TomlText& out) {
 
 // ---- Size and bodies ---------------------------------------------------------------------------------------------
 
-std::int64_t steps(const Config& config) {
+std::int64_t steps(const SceneConfig& config) {
   const std::vector<Pass> passes = all_passes(std::get<PlaygroundScene>(config.scene));
   return passes.back().first_step + passes.back().samples;
 }
@@ -336,7 +336,7 @@ struct Shapes {
   std::vector<std::string> keys_;
 };
 
-SceneSize size(const Config& config) {
+SceneSize size(const SceneConfig& config) {
   const PlaygroundScene& scene = std::get<PlaygroundScene>(config.scene);
   const Shapes shapes(scene);
   SceneSize size{.bodies = shapes.of_body.size(), .meshes = shapes.distinct.size()};
@@ -350,7 +350,7 @@ SceneSize size(const Config& config) {
   return size;
 }
 
-Scene make(const Config& config) {
+Scene make(const SceneConfig& config) {
   const PlaygroundScene& playground = std::get<PlaygroundScene>(config.scene);
   Scene scene;
   geometry::Bodies& bodies = scene.bodies;
@@ -384,7 +384,7 @@ Scene make(const Config& config) {
   return scene;
 }
 
-std::vector<Ahead> ahead(const Config& config) {
+std::vector<Ahead> ahead(const SceneConfig& config) {
   std::vector<Ahead> out;
   for (const Pass& pass : all_passes(std::get<PlaygroundScene>(config.scene)))
     out.push_back({.what = "passes", .first = double(pass.first_step + pass.samples - 1)});

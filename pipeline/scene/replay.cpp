@@ -16,7 +16,6 @@
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/poses_csv.hpp"
 #include "pipeline/scene/scene.hpp"
-#include "pipeline/stages/truth.hpp"
 #include "pipeline/system/file_bytes.hpp"
 #include "pipeline/terminal/error.hpp"
 
@@ -78,7 +77,7 @@ ReplayBody read_body(const Section& s) {
   return body;
 }
 
-void read(const Section& s, Config& config) {
+void read(const Section& s, SceneConfig& config) {
   s.only({"kind", "poses", "motion", "only", "half_turns", "body"});
   ReplayScene scene;
   scene.only = s.texts("only");
@@ -111,7 +110,7 @@ void read(const Section& s, Config& config) {
   config.scene = std::move(scene);
 }
 
-void write(const Config& config, TomlText& out) {
+void write(const SceneConfig& config, TomlText& out) {
   const ReplayScene& scene = std::get<ReplayScene>(config.scene);
   if (scene.motion.empty())
     out.line("poses", scene.poses);
@@ -141,7 +140,7 @@ struct Input {
 };
 
 /// Reads the file that the key at `place` names and keeps its hash.
-Input read_input(Config& config, const std::string& written, const std::string& place) {
+Input read_input(SceneConfig& config, const std::string& written, const std::string& place) {
   const fs::path path = config.path.parent_path() / written;
   Input input{.path = one_line(path.string(), 4096), .bytes = {}};
   try {
@@ -160,7 +159,8 @@ std::string counted(std::size_t n, const std::string& one, const std::string& ma
 }
 
 /// Says what the parity rule makes hollow.
-void note_hollows(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file, Config& config) {
+void note_hollows(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file,
+                  SceneConfig& config) {
   const geometry::Shells found = geometry::shells_of(mesh, solid);
   std::string text;
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
@@ -174,7 +174,8 @@ void note_hollows(const geometry::Mesh& mesh, const geometry::Solid& solid, cons
 }
 
 /// What should be said of a mesh that others made.
-void note_flaws(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file, Config& config) {
+void note_flaws(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file,
+                SceneConfig& config) {
   const bool contained = config.containment != Containment::ignore;
   if (!solid.closed)
     config.notes.push_back(file + ": the surface is open, " + geometry::open_text(solid) + "; it is used as it is" +
@@ -187,7 +188,7 @@ void note_flaws(const geometry::Mesh& mesh, const geometry::Solid& solid, const 
 
 /// Bodies as the configuration lists them. Bodies of one file or of equal shapes share a mesh, which is named after the
 /// first of them.
-geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
+geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene) {
   geometry::Bodies bodies;
   std::map<std::string, std::uint32_t> known;  // by the text of `shape`
   std::optional<std::pair<ReplayBody, geometry::Solid>> first_open;
@@ -231,7 +232,7 @@ geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
   return bodies;
 }
 
-CsvMotion load_poses(Config& config, const ReplayScene& scene) {
+CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene) {
   std::vector<CsvBody> bodies;
   for (const ReplayBody& body : scene.bodies)
     bodies.push_back({body.name, !body.fixed     ? CsvBody::every_step
@@ -254,7 +255,7 @@ CsvMotion load_poses(Config& config, const ReplayScene& scene) {
   return motion;
 }
 
-void load_result(Config& config, const ReplayScene& scene, ReplayInputs& inputs) {
+void load_result(SceneConfig& config, const ReplayScene& scene, ReplayInputs& inputs) {
   const std::string path = read_input(config, scene.motion, scene.place).path;
   Result earlier = read_result(path);
   if (config.containment != Containment::ignore) {
@@ -271,7 +272,7 @@ void load_result(Config& config, const ReplayScene& scene, ReplayInputs& inputs)
   inputs.rate = earlier.rate;
 }
 
-std::shared_ptr<const ReplayInputs> load(Config& config) {
+std::shared_ptr<const ReplayInputs> load(SceneConfig& config) {
   const ReplayScene& scene = std::get<ReplayScene>(config.scene);
   auto inputs = std::make_shared<ReplayInputs>();
   if (!scene.motion.empty()) {
@@ -293,7 +294,7 @@ std::shared_ptr<const ReplayInputs> load(Config& config) {
   return inputs;
 }
 
-void complete(Config& config) {
+void complete(SceneConfig& config) {
   auto inputs = load(config);
   const std::int64_t steps = inputs->steps();
   ReplayScene& scene = std::get<ReplayScene>(config.scene);
@@ -307,13 +308,13 @@ void complete(Config& config) {
   scene.inputs = std::move(inputs);
 }
 
-const ReplayInputs& inputs_of(const Config& config) {
+const ReplayInputs& inputs_of(const SceneConfig& config) {
   const auto& inputs = std::get<ReplayScene>(config.scene).inputs;
   if (!inputs) throw std::logic_error("a replayed scene is asked for before its files were read");
   return *inputs;
 }
 
-SceneSize size(const Config& config) {
+SceneSize size(const SceneConfig& config) {
   const geometry::Bodies& bodies = inputs_of(config).bodies;
   SceneSize out{.bodies = bodies.size(), .meshes = bodies.meshes.size()};
   for (const geometry::Mesh& mesh : bodies.meshes) {
@@ -324,7 +325,7 @@ SceneSize size(const Config& config) {
   return out;
 }
 
-Scene make(const Config& config) {
+Scene make(const SceneConfig& config) {
   const ReplayInputs& inputs = inputs_of(config);
   Scene scene;
   scene.bodies = inputs.bodies;
@@ -335,7 +336,7 @@ Scene make(const Config& config) {
   return scene;
 }
 
-std::vector<Ahead> ahead(const Config& config) {
+std::vector<Ahead> ahead(const SceneConfig& config) {
   const ReplayInputs& inputs = inputs_of(config);
   std::vector<Ahead> out;
   for (std::size_t b = 0; b < inputs.bodies.size(); ++b) {

@@ -14,7 +14,7 @@ const std::vector<SceneKind>& scene_kinds() {
   return kinds;
 }
 
-Scene make_scene(const Config& config) {
+Scene make_scene(const SceneConfig& config) {
   Scene scene = config.scene_kind->make(config);
   scene.bodies.closed_within = config.closed_within;
   return scene;
@@ -26,8 +26,8 @@ std::uint64_t Ahead::before(double steps) const {
   return std::uint64_t(std::min(double(times), std::ceil((steps - first) / every)));
 }
 
-std::string left_out(const Config& config) {
-  if (config.study || !config.scene_kind->ahead) return "";
+std::string left_out(const SceneConfig& config) {
+  if (!config.scene_kind || !config.scene_kind->ahead) return "";
   struct Left {
     std::string what;
     std::uint64_t times = 0, left = 0;
@@ -84,6 +84,12 @@ RigidBody solid_sphere(const geometry::Mesh& mesh, double density, ContactRadius
   sphere.mass = density * (4.0 / 3.0) * std::numbers::pi * (nominal * nominal * nominal);
   sphere.inertia = 0.4 * sphere.mass * (nominal * nominal);
   return sphere;
+}
+
+std::string all_open_text(const std::string& mesh, const geometry::Solid& solid) {
+  return "mesh '" + mesh + "' is open, " + geometry::open_text(solid) +
+         "; no mesh is closed, so nothing can be inside another; close one, raise truth.closed_within, or set "
+         "truth.containment to \"ignore\"";
 }
 
 }  // namespace pipeline

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "geometry/bodies.hpp"
-#include "pipeline/config.hpp"
+#include "geometry/decision/contain.hpp"
 #include "pipeline/physics/simulate.hpp"
 #include "pipeline/scene/document.hpp"
-#include "pipeline/stages/extremes.hpp"
-#include "pipeline/stages/passes.hpp"
+#include "pipeline/scene/scene_config.hpp"
+#include "pipeline/scene/script.hpp"
 #include "pipeline/terminal/words.hpp"
 
 namespace pipeline {
@@ -61,39 +61,39 @@ struct SceneSize {
 
 /// One kind of scene, as data.
 struct SceneKind {
-  std::string name;                                      // scene.kind
-  std::string what;                                      // one line
-  bool integrated;                                       // else its poses are a script: no integrator, no /physics
-  void (*read)(const Section& section, Config& config);  // [scene] and presets that depend on the kind
-  void (*write)(const Config& config, TomlText& out);    // the same keys with their values
-  SceneSize (*size)(const Config& config);
-  Scene (*make)(const Config& config);
+  std::string name;                                           // scene.kind
+  std::string what;                                           // one line
+  bool integrated;                                            // else its poses are a script: no integrator, no /physics
+  void (*read)(const Section& section, SceneConfig& config);  // [scene] and presets that depend on the kind
+  void (*write)(const SceneConfig& config, TomlText& out);    // the same keys with their values
+  SceneSize (*size)(const SceneConfig& config);
+  Scene (*make)(const SceneConfig& config);
 
   // Integrated scenes, where something happens besides integration:
 
   /// Changes the states at a step: a birth makes a NaN state finite. Returns whether it changed any. A function of its
   /// arguments alone, so that a resumed run has the same bits. Throws Error(kInput) for a birth that has no place.
-  bool (*events)(const Config& config, std::int64_t step, std::vector<BodyState>& states) = nullptr;
+  bool (*events)(const SceneConfig& config, std::int64_t step, std::vector<BodyState>& states) = nullptr;
   /// What no state of the scene may be, and is: one line naming the body. Empty: all is well. Asked at every step.
-  std::string (*breach)(const Config& config, const std::vector<BodyState>& states) = nullptr;
+  std::string (*breach)(const SceneConfig& config, const std::vector<BodyState>& states) = nullptr;
   // Of scripted scenes: how many steps the script has. A configuration may ask for fewer, not for more.
-  std::int64_t (*steps)(const Config& config) = nullptr;
+  std::int64_t (*steps)(const SceneConfig& config) = nullptr;
   /// Whether anything is drawn from the seed; null: never.
-  bool (*draws)(const Config& config) = nullptr;
+  bool (*draws)(const SceneConfig& config) = nullptr;
   std::string draw_by = {};  // the key that has something drawn, and its value; empty: there is none
   /// What is known beforehand, whatever the steps of the configuration; null: nothing is.
-  std::vector<Ahead> (*ahead)(const Config& config) = nullptr;
+  std::vector<Ahead> (*ahead)(const SceneConfig& config) = nullptr;
   /// Of integrated scenes: changes the initial states, after the events of step 0, to such as there are when all of
   /// `ahead` has happened. A guess, of which only times are foretold. Null: they are like the first.
-  void (*hurry)(const Config& config, std::vector<BodyState>& states) = nullptr;
+  void (*hurry)(const SceneConfig& config, std::vector<BodyState>& states) = nullptr;
   /// Reads the files that the scene names, once, and what follows from them into `config`; null: it names none.
-  void (*complete)(Config& config) = nullptr;
+  void (*complete)(SceneConfig& config) = nullptr;
 };
 
 const std::vector<SceneKind>& scene_kinds();
 
 /// The scene of a configuration.
-Scene make_scene(const Config& config);
+Scene make_scene(const SceneConfig& config);
 
 // The rows, each from its own file.
 SceneKind falling_kind();
@@ -102,8 +102,9 @@ SceneKind playground_kind();
 SceneKind replay_kind();
 SceneKind extremes_kind();
 
-/// What a run of the configuration's steps leaves out of its scene, as one line; empty: nothing that is known.
-std::string left_out(const Config& config);
+/// What a run of the configuration's steps leaves out of its scene, as one line; empty: nothing that is known, or no
+/// scene.
+std::string left_out(const SceneConfig& config);
 
 /// The state of a body that is not born yet: NaN throughout.
 BodyState unborn_state();
@@ -124,5 +125,8 @@ constexpr Range kDensity{.least = 1e-6, .most = 1e6};  // kg/m^3
 /// A solid sphere's physical side. The contact radius only says where it is touched: mass and inertia are those of the
 /// nominal sphere.
 RigidBody solid_sphere(const geometry::Mesh& mesh, double density, ContactRadius contact_radius);
+
+/// What is wrong when containment counts and every mesh is open; `mesh` and `solid` are those of the first.
+std::string all_open_text(const std::string& mesh, const geometry::Solid& solid);
 
 }  // namespace pipeline

@@ -5,9 +5,9 @@
 #include <new>
 #include <stdexcept>
 
-#include "pipeline/plan.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/words.hpp"
 
 namespace pipeline {
 namespace {

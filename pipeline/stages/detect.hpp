@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/config.hpp"
 #include "pipeline/result/checkpoint.hpp"
 #include "pipeline/result/result.hpp"
+#include "pipeline/stages/choice.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
 

@@ -8,24 +8,13 @@
 #include <vector>
 
 #include "geometry/bodies.hpp"
-#include "pipeline/config.hpp"
 #include "pipeline/result/checkpoint.hpp"
 #include "pipeline/result/result.hpp"
+#include "pipeline/scene/script.hpp"
+#include "pipeline/stages/choice.hpp"
 #include "pipeline/terminal/progress.hpp"
 
 namespace pipeline {
-
-/// Steps at which the same two bodies come ever nearer, from apart to deep inside each other or the other way.
-struct CaseSet {
-  std::int64_t first_step = 0, steps = 0;
-  std::uint32_t a = 0, b = 0;
-  geometry::Vec3 outward = geometry::Vec3::Zero();  // one ulp of the approach, m: b moves so to be farther
-  geometry::Vec3 moved = geometry::Vec3::Zero();    // m: a + moved and b + moved are exact
-};
-
-/// Within so many ulps of touching a pair is counted apart: methods that round elsewhere are not charged with our
-/// convention.
-constexpr std::int64_t kNearUlps = 1000;
 
 /// `cases` with what is true of them: truth, truth_moved and near_touching. `poses` is S x B.
 std::vector<ExtremeCase> extreme_rows(const geometry::Bodies& bodies,

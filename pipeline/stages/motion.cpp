@@ -81,7 +81,7 @@ class Integration {
   double reference_energy_;
 };
 
-MotionChunk integrate_chunk(const Config& config, const Scene& scene, const std::vector<BodyState>& from,
+MotionChunk integrate_chunk(const SceneConfig& config, const Scene& scene, const std::vector<BodyState>& from,
                             double reference_energy, double seconds_spent, std::int64_t first, std::int64_t last,
                             Progress& progress) {
   const SceneKind& kind = *config.scene_kind;
@@ -133,7 +133,7 @@ MotionChunk integrate_chunk(const Config& config, const Scene& scene, const std:
 
 }  // namespace
 
-MotionTrial try_motion(const Config& config, const Scene& scene, std::vector<BodyState> states, double seconds) {
+MotionTrial try_motion(const SceneConfig& config, const Scene& scene, std::vector<BodyState> states, double seconds) {
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -159,7 +159,7 @@ MotionTrial try_motion(const Config& config, const Scene& scene, std::vector<Bod
   return out;
 }
 
-Motion integrate(const Config& config, const Scene& scene, const Part& part, Progress& progress) {
+Motion integrate(const SceneConfig& config, const Scene& scene, const Part& part, Progress& progress) {
   const std::size_t bodies = scene.bodies.size();
   Motion motion;
   motion.physics.status = "complete";

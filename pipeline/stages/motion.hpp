@@ -2,7 +2,6 @@
 #pragma once
 #include <vector>
 
-#include "pipeline/config.hpp"
 #include "pipeline/result/checkpoint.hpp"
 #include "pipeline/result/result.hpp"
 #include "pipeline/scene/scene.hpp"
@@ -19,13 +18,13 @@ struct Motion {
 /// samples: a sample, its row and what follows are those after them. A failure of the integration, or a breach of the
 /// scene's rule, is data: from its step on moving bodies have NaN poses, and physics.status says why. Throws what
 /// SceneKind::events throws.
-Motion integrate(const Config& config, const Scene& scene, const Part& part, Progress& progress);
+Motion integrate(const SceneConfig& config, const Scene& scene, const Part& part, Progress& progress);
 
 /// What a motion from some states costs at first, found by integrating for about `seconds`.
 struct MotionTrial {
   double begin = 0, step = 0;         // s, of beginning (as after every event and chunk) and of a step
   std::vector<geometry::Pose> poses;  // B, at the end
 };
-MotionTrial try_motion(const Config& config, const Scene& scene, std::vector<BodyState> states, double seconds);
+MotionTrial try_motion(const SceneConfig& config, const Scene& scene, std::vector<BodyState> states, double seconds);
 
 }  // namespace pipeline

@@ -62,21 +62,6 @@ std::uint64_t count(const std::vector<bool>& samples) {
 
 }  // namespace
 
-double length(const Pass& pass) {
-  const geometry::Vec3 d = pass.to - pass.from;
-  return std::sqrt((d.x() * d.x() + d.y() * d.y()) + d.z() * d.z());
-}
-
-double position(const Pass& pass, std::int64_t sample) {
-  return length(pass) * (double(sample) / double(pass.samples - 1));
-}
-
-Pose pose_at(const Pass& pass, double metres) {
-  const double part = metres / length(pass);
-  const geometry::Vec3 d = pass.to - pass.from;
-  return {pass.q, {pass.from.x() + part * d.x(), pass.from.y() + part * d.y(), pass.from.z() + part * d.z()}};
-}
-
 std::vector<PassRow> pass_rows(const geometry::Bodies& bodies, const Poses& poses, const Truth& truth,
                                const std::vector<Pass>& passes, Progress& progress) {
   const std::vector<geometry::Bvh> bvhs = geometry::build_bvhs(bodies);

@@ -10,31 +10,12 @@
 
 #include "geometry/bodies.hpp"
 #include "geometry/decision/meet.hpp"
-#include "pipeline/config.hpp"
 #include "pipeline/result/result.hpp"
+#include "pipeline/scene/script.hpp"
+#include "pipeline/stages/choice.hpp"
 #include "pipeline/terminal/progress.hpp"
 
 namespace pipeline {
-
-/// One body, the hero, moves on a straight line past another, the target; all others stand still.
-struct Pass {
-  std::uint32_t hero = 0, target = 0;  // bodies
-  std::string path, orientation;       // their names
-  double offset = 0;                   // m, of the line from the target's position
-  geometry::Vec3 from, to;             // world, m
-  geometry::Quaternion q;              // the hero's, all the way
-  std::int64_t first_step = 0;
-  std::int64_t samples = 2;  // at equal distances, both ends included
-};
-
-/// Metres from `from` to `to`.
-double length(const Pass& pass);
-
-/// Metres from `from` to a sample, 0 to samples - 1.
-double position(const Pass& pass, std::int64_t sample);
-
-/// The hero's pose so many metres from `from`: that of a sample at its position, bit for bit.
-geometry::Pose pose_at(const Pass& pass, double metres);
 
 /// How near positions are found, in metres: not further than this before the first or after the last change.
 constexpr double kTruthTolerance = 1e-9;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <iterator>
 
 #include "geometry/decision/gap.hpp"
 #include "geometry/decision/meet.hpp"
@@ -12,8 +11,6 @@
 
 namespace pipeline {
 namespace {
-
-constexpr std::string_view kContainment[] = {"ignore", "record", "meet"};  // in the order of the enumerators
 
 struct TruthChunk {
   PairLists hits, contained;
@@ -101,37 +98,6 @@ TruthChunk decide_chunk(geometry::Decision& decision, geometry::GapSearch* searc
 }
 
 }  // namespace
-
-std::vector<Pair> Truth::scoring(std::size_t step) const {
-  const std::span<const Pair> surface = hits.at(step);
-  std::vector<Pair> out(surface.begin(), surface.end());
-  if (containment == Containment::meet) {
-    const std::span<const Pair> inside = contained.at(step);
-    out.insert(out.end(), inside.begin(), inside.end());
-    std::inplace_merge(out.begin(), out.begin() + std::ptrdiff_t(surface.size()), out.end());
-  }
-  return out;
-}
-
-std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these) {
-  std::vector<Pair> rest;
-  std::set_difference(from.begin(), from.end(), these.begin(), these.end(), std::back_inserter(rest));
-  return rest;
-}
-
-std::string_view text_of(Containment containment) { return kContainment[std::size_t(containment)]; }
-
-std::optional<Containment> containment_of(std::string_view text) {
-  for (std::size_t i = 0; i < std::size(kContainment); ++i)
-    if (kContainment[i] == text) return Containment(i);
-  return std::nullopt;
-}
-
-std::string all_open_text(const std::string& mesh, const geometry::Solid& solid) {
-  return "mesh '" + mesh + "' is open, " + geometry::open_text(solid) +
-         "; no mesh is closed, so nothing can be inside another; close one, raise truth.closed_within, or set "
-         "truth.containment to \"ignore\"";
-}
 
 Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses, int threads,
              const Part& part, Progress& progress, Containment containment, std::optional<double> gap_margin) {

@@ -23,14 +23,4 @@ Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geome
              const Part& part, Progress& progress, Containment containment = Containment::ignore,
              std::optional<double> gap_margin = {});
 
-/// The pairs of `from` that are not among `these`; all sorted.
-std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these);
-
-/// What is wrong when containment counts and every mesh is open; `mesh` and `solid` are those of the first.
-std::string all_open_text(const std::string& mesh, const geometry::Solid& solid);
-
-/// Containment as configurations and files spell it.
-std::string_view text_of(Containment containment);
-std::optional<Containment> containment_of(std::string_view text);
-
 }  // namespace pipeline

@@ -56,33 +56,6 @@ Sweep sweep(const Section& s) {
   return out;
 }
 
-std::string effective(const Config& config) {
-  const Study& study = *config.study;
-  TomlText out;
-  out.line("title", config.title);
-  out.line("study", std::string("integration"));
-  out.line("every", study.every);
-  out.table("[budget]");
-  out.line("force_evaluations", study.force_evaluations);
-  out.line("processor_time", study.processor_time);
-  out.line("energy_bound", study.energy_bound);
-  const auto texts = [&](const char* key, const std::vector<std::string>& values) {
-    out.list(key, std::vector<algorithms::Value>(values.begin(), values.end()));
-  };
-  for (const Sweep& s : study.sweeps) {
-    out.table("[[sweep]]");
-    out.line("name", s.name);
-    out.line("problem", s.problem);
-    texts("integrator", s.integrators);
-    if (!s.accuracies.empty()) out.list("accuracy", s.accuracies);
-    if (!s.fixed_steps.empty()) out.list("fixed_step", s.fixed_steps);
-    texts("units", s.units);
-    for (const auto& [name, values] : s.values)
-      if (!std::isnan(values[0])) out.list(name, values);  // else it follows from others
-  }
-  return out.text;
-}
-
 /// The cases of a sweep; `add` is told each.
 template <class Add>
 void expand(const Sweep& sweep, const Add& add) {
@@ -126,15 +99,10 @@ void expand(const Sweep& sweep, const Add& add) {
 
 }  // namespace
 
-Config study_config(const Section& root, const std::string& text, const std::filesystem::path& path,
-                    const std::string& title) {
+Study read_study(const Section& root) {
   root.only({"title", "study", "every", "budget", "sweep"});
   root.choice("study", "", {"integration"});
-  Config config;
-  config.path = path;
-  config.text = text;
-  config.title = title;
-  Study& study = config.study.emplace();
+  Study study;
   study.every = root.integer("every", study.every, 1);
   const Section budget = root.section("budget");
   budget.only({"force_evaluations", "processor_time", "energy_bound"});
@@ -158,8 +126,30 @@ Config study_config(const Section& root, const std::string& text, const std::fil
     if (!any) s.fail("the sweep must have a case: its integrators take no fixed step; give 'accuracy'");
   }
   if (study.sweeps.empty()) root.fail("missing [[sweep]]; write [[sweep]] and below it problem = \"pendulum\"");
-  config.effective = effective(config);
-  return config;
+  return study;
+}
+
+void write_study(const Study& study, TomlText& out) {
+  out.line("study", std::string("integration"));
+  out.line("every", study.every);
+  out.table("[budget]");
+  out.line("force_evaluations", study.force_evaluations);
+  out.line("processor_time", study.processor_time);
+  out.line("energy_bound", study.energy_bound);
+  const auto texts = [&](const char* key, const std::vector<std::string>& values) {
+    out.list(key, std::vector<Value>(values.begin(), values.end()));
+  };
+  for (const Sweep& s : study.sweeps) {
+    out.table("[[sweep]]");
+    out.line("name", s.name);
+    out.line("problem", s.problem);
+    texts("integrator", s.integrators);
+    if (!s.accuracies.empty()) out.list("accuracy", s.accuracies);
+    if (!s.fixed_steps.empty()) out.list("fixed_step", s.fixed_steps);
+    texts("units", s.units);
+    for (const auto& [name, values] : s.values)
+      if (!std::isnan(values[0])) out.list(name, values);  // else it follows from others
+  }
 }
 
 std::vector<StudyRow> study_cases(const Study& study) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pipeline/terminal/print.hpp"
+
 namespace pipeline {
 namespace {
 
@@ -61,7 +63,7 @@ std::string lower_case(std::string_view text) {
 
 }  // namespace
 
-std::string value_text(const algorithms::Value& value) {
+std::string value_text(const Value& value) {
   if (const auto* v = std::get_if<bool>(&value)) return *v ? "true" : "false";
   if (const auto* v = std::get_if<std::int64_t>(&value)) return std::to_string(*v);
   if (const auto* v = std::get_if<double>(&value)) return real_text(*v);
@@ -190,6 +192,22 @@ std::string hint(std::string_view word, const std::vector<std::string>& known) {
   std::string list;
   for (const std::string& candidate : known) list += (list.empty() ? "known: " : ", ") + candidate;
   return list;
+}
+
+bool valid_label(std::string_view label) {
+  constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.+-";
+  // A label names a group of the file and a folder of the run: "." and ".." mean something else there.
+  return !label.empty() && label.size() <= 64 && label.find_first_not_of(kAllowed) == std::string_view::npos &&
+         label != "." && label != "..";
+}
+
+std::string mebibytes_text(std::uint64_t bytes) {
+  return bytes < (1u << 30) ? print("%.1f MiB", double(bytes) / (1 << 20))
+                            : print("%.1f GiB", double(bytes) / (1 << 30));
+}
+
+std::string bytes_text(std::uint64_t bytes) {
+  return bytes < (1u << 20) ? print("%.0f KiB", double(bytes) / 1024) : mebibytes_text(bytes);
 }
 
 }  // namespace pipeline

@@ -1,26 +1,27 @@
 // Words for messages, and values as text: shared by whatever reads what the user wrote.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
-
-#include "algorithms/contract/algorithm.hpp"
 
 namespace pipeline {
 
-/// A knob's value in the notation that TOML and JSON share.
-std::string value_text(const algorithms::Value& value);
+/// A value as a user writes it; of a knob too.
+using Value = std::variant<bool, std::int64_t, double, std::string>;
+
+/// A value in the notation that TOML and JSON share.
+std::string value_text(const Value& value);
 
 /// TOML as it is written: lines "key = value" under tables.
 struct TomlText {
   std::string text;
 
   void table(std::string_view header) { text += '\n' + std::string(header) + '\n'; }
-  void line(std::string_view key, const algorithms::Value& value) {
-    text += std::string(key) + " = " + value_text(value) + '\n';
-  }
+  void line(std::string_view key, const Value& value) { text += std::string(key) + " = " + value_text(value) + '\n'; }
   template <class Values>
   void list(std::string_view key, const Values& values) {
     text += std::string(key) + " = [";
@@ -64,5 +65,13 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
 
 /// The remedy for an unknown word: "did you mean 'x'?", or "known: x, y".
 std::string hint(std::string_view word, const std::vector<std::string>& known);
+
+/// A size of memory or disk, "85.1 MiB"; in KiB below one of these.
+std::string mebibytes_text(std::uint64_t bytes);
+std::string bytes_text(std::uint64_t bytes);
+
+/// The rule for labels and names of bodies, meshes and sweeps.
+bool valid_label(std::string_view label);
+constexpr char kLabelRule[] = "be 1 to 64 characters of A-Z a-z 0-9 _ . + - and neither '.' nor '..'";
 
 }  // namespace pipeline

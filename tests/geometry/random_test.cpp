@@ -1,11 +1,11 @@
-#include "pipeline/random.hpp"
+#include "geometry/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
-using pipeline::Random;
+using geometry::Random;
 
 // The published test vector of SplitMix64 for the state 1234567.
 TEST(Random, IsSplitMix64) {

@@ -9,7 +9,7 @@
 
 #include "geometry/pose.hpp"
 
-namespace pipeline {
+namespace geometry {
 
 /// A sequence of 64-bit numbers. Integers only, all arithmetic modulo 2^64.
 class Random {
@@ -36,16 +36,16 @@ class Random {
 
   /// A rotation, all equally likely: a point of the unit ball in four dimensions, by rejection, at unit length. No
   /// function of the C library has a part in it.
-  geometry::Quaternion rotation() {
+  Quaternion rotation() {
     for (;;) {
-      geometry::Quaternion q;
+      Quaternion q;
       q.w = signed_unit();
       q.x = signed_unit();
       q.y = signed_unit();
       q.z = signed_unit();
       const double square = ((q.w * q.w + q.x * q.x) + q.y * q.y) + q.z * q.z;
       // Close to the centre few directions can be told apart; a thousandth of the draws.
-      if (square <= 1 && square >= 0.03) return geometry::normalised(q);
+      if (square <= 1 && square >= 0.03) return normalised(q);
     }
   }
 
@@ -53,4 +53,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace pipeline
+}  // namespace geometry
