@@ -427,7 +427,7 @@ def test_a_study_knows_no_seed():
 def test_detect_still_reads_a_file_with_an_idle_seed(smoke, tmp_path):
     copy = tmp_path / "copy.h5"
     shutil.copy(smoke, copy)
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         attributes = file["config"].attrs
         attributes["effective"] = attributes["effective"].replace("seed = 1", "seed = 7")
     assert pipeline("detect", copy, "--force").returncode == DONE
