@@ -11,13 +11,14 @@ import warnings
 from analysis import scenes, study_tables, viewer
 from analysis.intact import Unvouched
 from analysis.load import load
-from analysis.output import refuse, visible, write
+from analysis.output import open_standard_descriptors, refuse, say, visible, write
 from analysis.statements import shown, verdicts
 
 KINDS = ("box", "falling", "playground")
 
 
 def main(arguments=None):
+    open_standard_descriptors()
     parser = argparse.ArgumentParser(prog="scripts/analysis", description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(dest="command", required=True)
     command = commands.add_parser("statements", help="judge the thesis's statements on results")
@@ -64,7 +65,7 @@ def write_report(paths, output, unsealed=False):
     from analysis.report import report  # matplotlib is slow to load, and nothing above needs it
 
     write(output, report(runs))
-    print(output)
+    say(output)
 
 
 def studied(path, unsealed=False):

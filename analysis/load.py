@@ -112,7 +112,7 @@ class Run:
         reported, truth, contained = self.pairs(label), self.truth_pairs, None
         containment = self.meta["truth"].get("containment")
         if containment == "meet":
-            truth = pd.concat([truth, self.contained_pairs], ignore_index=True)
+            truth = pd.concat([truth, self.contained_pairs[["step", "a", "b"]]], ignore_index=True)
         elif containment == "record":
             contained = self.contained_pairs
         bodies = max(len(self.meta["bodies"]), 1)
@@ -147,11 +147,15 @@ class Run:
 
     @cached_property
     def contained_pairs(self):
-        """The pairs of which one body lies wholly inside the other. Columns as truth_pairs; None when not recorded."""
+        """The pairs of which one body lies wholly inside the other; None when not recorded.
+
+        Columns: step, a, b as truth_pairs; inside: the body that is, a or b (not in files older than the column).
+        """
         with self.opened() as file:
             if "truth/contained_pair" not in file:
                 return None
-        return self._pairs("truth", "contained_pair", "contained_offset")
+            inside = {"inside": data[()] for name, data in file["truth"].items() if name == "contained_inside"}
+        return self._pairs("truth", "contained_pair", "contained_offset").assign(**inside)
 
     @cached_property
     def gaps(self):

@@ -13,7 +13,7 @@ import pathlib
 import numpy as np
 
 from analysis.load import load
-from analysis.output import refuse, write
+from analysis.output import refuse, say, write
 
 HERE = pathlib.Path(__file__).parent
 THREE_JS = [
@@ -46,7 +46,7 @@ def add_command(commands):
     command.add_argument("--steps", type=_window, metavar="A:B",
                          help=f"holds the steps A to B - 1; without it {AROUND} on either side of --step")  # fmt: skip
     command.add_argument("-o", "--output", metavar="PAGE", help="without it <name of the result>_step<K>.html here")
-    command.set_defaults(act=lambda chosen: print(write_page(chosen)))
+    command.set_defaults(act=lambda chosen: say(write_page(chosen)))
 
 
 def _window(text):

@@ -192,6 +192,8 @@ std::string short_text(const std::string& text) {
 
 Score score(const Result& result, const std::filesystem::path& path, const ScoreOptions& options) {
   const std::string place = path.string();
+  std::optional<Target> target;
+  if (options.write) target.emplace(path, Existing::update);
   const std::optional<Json> before = read_baseline(path, options.write);
   const Json now = baseline_of(result, options.times);
 
@@ -217,7 +219,7 @@ Score score(const Result& result, const std::filesystem::path& path, const Score
   }
   if (options.write && (!before || *before != now)) {
     const std::string text = dumped(now);
-    Target(path, true).write(std::as_bytes(std::span(text)));
+    target->write(std::as_bytes(std::span(text)));
     out.written = true;
   }
   return out;

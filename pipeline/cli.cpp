@@ -3,8 +3,10 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -24,6 +26,7 @@
 #include "pipeline/step_range.hpp"
 #include "pipeline/store.hpp"
 #include "pipeline/threads.hpp"
+#include "pipeline/trial.hpp"
 #include "pipeline/verify.hpp"
 #include "pipeline/words.hpp"
 
@@ -43,8 +46,9 @@ void on_signal(int signal) {
 /// others reach no terminal but through here.
 void put(const std::string& raw) {
   const std::string text = visible(raw);
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    throw Error(kFile, "stdout: cannot be written");
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0 ||
+      std::ferror(stdout))
+    throw Error(kFile, std::string("stdout: cannot be written (") + std::strerror(errno) + ")");
 }
 
 void warn(const std::vector<std::string>& lines) {
@@ -224,7 +228,9 @@ int dispatch(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version
-    return app.exit(success);
+    const int code = app.exit(success);
+    put("");
+    return code;
   } catch (const CLI::ParseError& error) {
     if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-')
       throw Error(kUsage, std::string(argv[1]) + ": is no subcommand; see pipeline --help");
@@ -247,12 +253,24 @@ int dispatch(int argc, const char* const* argv) {
   if (*check_command) {
     const Config config = read_config(config_path, sets);
     warn(config.notes);
+    if (const std::string left = left_out(config); !left.empty()) warn({left});
     const std::filesystem::path target = output_path(config, options);
-    const Plan planned = plan(config);
+    Plan planned = plan(config);
     refuse_if_too_large(planned, target);
-    if (!config.study && planned.case_sets == 0)
-      refuse_unfit(config.scene_kind->make(config).bodies, config.algorithms);
-    put(json ? plan_json(config, planned, target.string()) : plan_text(config, planned, target.string()));
+    std::vector<Stage> stages;
+    const int threads = thread_count(0);
+    if (config.study || planned.case_sets > 0) {
+      stages = foreseen_stages(config, planned, threads);
+    } else {
+      constexpr double kTrial = 1.5;  // s
+      const Scene scene = make_scene(config);
+      planned = plan(config, scene, threads);
+      refuse_if_too_large(planned, target);
+      refuse_unfit(scene.bodies, config.algorithms);
+      stages = foreseen_stages(config, scene, planned, threads, kTrial);
+    }
+    const Seconds time = range(stages, config);
+    put(json ? plan_json(config, planned, time, target.string()) : plan_text(config, planned, time, target.string()));
     return kDone;
   }
   if (*show_command) {
@@ -289,6 +307,7 @@ int dispatch(int argc, const char* const* argv) {
   if (*run_command) {
     const Config config = read_config(config_path, sets);
     warn(config.notes);
+    if (const std::string left = left_out(config); !left.empty()) warn({left});
     return finish(run(config, options), output_path(config, options).string(), json, digests);
   }
   refuse_part(file);

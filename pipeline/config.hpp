@@ -99,6 +99,7 @@ struct ReplayBody {
 /// kind = "replay": bodies and poses from files. Paths are relative to the configuration's folder.
 struct ReplayScene {
   std::string poses, motion;      // a CSV file, or an earlier result with all its bodies; the other is empty
+  bool half_turns = false;        // the CSV's quaternions that begin with 0 are meant so
   std::vector<std::string> only;  // empty: every pair counts
   std::vector<ReplayBody> bodies;
   std::string place, only_place;               // of poses or motion, and of only, for messages
@@ -162,7 +163,8 @@ struct Config {
   Physics physics;  // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;
-  std::optional<double> gap_margin;  // m; absent: distances are not asked for
+  double closed_within = geometry::kClosedWithin;  // of a mesh's size, as in Bodies
+  std::optional<double> gap_margin;                // m; absent: distances are not asked for
   std::int64_t repeats = 3;
   std::vector<AlgorithmChoice> algorithms;
 

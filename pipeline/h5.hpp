@@ -5,8 +5,10 @@
 #include <hdf5_hl.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -35,9 +37,22 @@ inline std::string reason() {
   return text.empty() ? text : " (" + text + ")";
 }
 
-/// Throws Failure when a call's result is negative.
+/// Whether the last call failed for want of memory: that is nothing wrong with a file. zlib's want of it only errno
+/// tells, which must be 0 when a file is opened.
+inline bool out_of_memory() {
+  bool found = errno == ENOMEM;
+  const auto look = [](unsigned, const H5E_error2_t* error, void* out) -> herr_t {
+    if (error->maj_num == H5E_RESOURCE && error->min_num == H5E_NOSPACE) *static_cast<bool*>(out) = true;
+    return 0;
+  };
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_DOWNWARD, look, &found);
+  return found;
+}
+
+/// Throws Failure when a call's result is negative, or std::bad_alloc.
 template <typename Code>
 Code check(Code code, const std::string& what) {
+  if (code < 0 && out_of_memory()) throw std::bad_alloc();
   if (code < 0) throw Failure("HDF5 could not " + what + reason());
   return code;
 }

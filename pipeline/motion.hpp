@@ -21,4 +21,11 @@ struct Motion {
 /// SceneKind::events throws.
 Motion integrate(const Config& config, const Scene& scene, const Part& part, Progress& progress);
 
+/// What a motion from some states costs at first, found by integrating for about `seconds`.
+struct MotionTrial {
+  double begin = 0, step = 0;         // s, of beginning (as after every event and chunk) and of a step
+  std::vector<geometry::Pose> poses;  // B, at the end
+};
+MotionTrial try_motion(const Config& config, const Scene& scene, std::vector<BodyState> states, double seconds);
+
 }  // namespace pipeline

@@ -278,6 +278,17 @@ std::string study_json(const Result& result, const std::string& path) {
   return dumped(json);
 }
 
+/// The bodies that lie inside others, and in how many pairs and steps: the most first, then in their order.
+std::vector<std::pair<std::string, std::size_t>> contained_names(const Result& result) {
+  std::map<std::uint32_t, std::size_t> pairs;
+  if (result.truth.contained_inside)
+    for (const std::uint32_t body : *result.truth.contained_inside) ++pairs[body];
+  std::vector<std::pair<std::string, std::size_t>> out;
+  for (const auto& [body, count] : pairs) out.emplace_back(result.bodies.name[body], count);
+  std::ranges::stable_sort(out, std::greater(), [](const auto& one) { return one.second; });
+  return out;
+}
+
 }  // namespace
 
 std::string result_text(const Result& result, bool digests) {
@@ -289,6 +300,13 @@ std::string result_text(const Result& result, bool digests) {
     text += print("%zu pairs of which one lies inside the other: ", result.truth.contained.pair.size()) +
             (result.truth.containment == Containment::meet ? "they count as meeting\n"
                                                            : "hits on them are counted apart\n");
+  if (const auto inside = contained_names(result); !inside.empty()) {
+    constexpr std::size_t kMost = 5;
+    text += "inside others lie:";
+    for (std::size_t i = 0; i < inside.size() && i < kMost; ++i)
+      text += print("%s %s (%zu)", i ? "," : "", inside[i].first.c_str(), inside[i].second);
+    text += inside.size() > kMost ? print(" and %zu more\n", inside.size() - kMost) : "\n";
+  }
   if (result.truth.gaps)
     text += print("%zu distances of pairs within %g m that do not meet\n", result.truth.gaps->pairs.pair.size(),
                   result.truth.gaps->margin);
@@ -334,7 +352,12 @@ std::string result_json(const Result& result, const std::string& path) {
                {"truth_hits", result.truth.hits.pair.size()},
                {"containment", text_of(result.truth.containment)},
                {"contained", result.truth.contained.pair.size()},
+               {"contained_inside", Json(nullptr)},
                {"digest", result.digest}};
+  if (result.truth.contained_inside) {
+    json["contained_inside"] = Json::object();
+    for (const auto& [name, pairs] : contained_names(result)) json["contained_inside"][name] = pairs;
+  }
   if (result.truth.gaps) {
     json["gaps"] = result.truth.gaps->pairs.pair.size();
     json["gap_margin"] = result.truth.gaps->margin;

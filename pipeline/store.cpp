@@ -355,6 +355,18 @@ Extremes read_extremes(const Reader& from, std::uint64_t steps, std::uint64_t al
   return extremes;
 }
 
+/// What files have since they say which of a contained pair is inside.
+void read_contained_inside(const Reader& from, Result& result) {
+  const std::vector<Pair>& pairs = result.truth.contained.pair;
+  result.truth.contained_inside = from.values<std::uint32_t>("/truth/contained_inside", {pairs.size()});
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (const std::uint32_t body = (*result.truth.contained_inside)[i]; body != pairs[i].a && body != pairs[i].b)
+      throw h5::Failure("/truth/contained_inside: names a body that is not of the pair");
+  result.bodies.closed_within = from.attribute<double>("/truth", "closed_within");
+  for (const geometry::Mesh& mesh : result.bodies.meshes)
+    result.truth.closed_within.push_back(from.attribute<double>("/meshes/" + mesh.name, "closed_within"));
+}
+
 void read_contained_hits(const Reader& from, std::uint64_t steps, Result& result) {
   from.answers("/results", kContainedHit, steps, result.answers);
   const auto totals =
@@ -408,6 +420,7 @@ Result read_all(const Reader& from) {
     if (!kept || *kept == Containment::ignore) throw h5::Failure("/truth: its containment is not known");
     result.truth.containment = *kept;
     result.truth.contained = from.pairs("/truth", steps, bodies, "contained_");
+    if (from.has("/truth/contained_inside")) read_contained_inside(from, result);
   }
   if (from.has("/truth/gap_pair")) {
     GapLists& gaps = result.truth.gaps.emplace();
@@ -430,12 +443,14 @@ Result read_all(const Reader& from) {
 /// Opens a file of ours for reading, or says why it is not one.
 h5::File open_result(const path& path, const std::string& place) {
   h5::silence();
-  if (H5Fis_hdf5(path.c_str()) <= 0)
+  errno = 0;
+  if (H5Fis_hdf5(path.c_str()) <= 0 && !h5::out_of_memory())
     throw Error(kFile, place + ": is not an HDF5 file; name a result of `pipeline run`");
   const h5::Properties access(H5Pcreate(H5P_FILE_ACCESS), "make properties");
   // Results are never changed in place, so nothing need be locked; locking fails on some network disks.
   h5::check(H5Pset_file_locking(access.id(), false, true), "read without locking");
   const hid_t opened = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id());
+  if (opened < 0 && h5::out_of_memory()) throw std::bad_alloc();
   if (opened < 0) {
     const bool truncated = h5::reason().find("truncated") != std::string::npos;
     throw Error(kFile, place + (truncated ? ": is truncated, its end is missing" : ": is damaged" + h5::reason()) +
@@ -564,7 +579,8 @@ class Greed {
 };
 
 Error too_little_memory(const std::string& place) {
-  return Error(kFile, place + ": needs more memory than there is, or is damaged; free memory or copy it again");
+  return Error(kFile,
+               place + ": needs more memory than there is; free some, or raise the limit of this shell (ulimit -v)");
 }
 
 /// Reads the file in a child process: HDF5 1.10.8 crashes, loops or asks for all memory on some damaged files, and such
@@ -617,7 +633,7 @@ void write_result(Result& result, Target& target) {
 }
 
 void write_result(Result& result, const path& path) {
-  Target target(path, true);
+  Target target(path, Existing::replace);
   write_result(result, target);
 }
 
@@ -638,18 +654,6 @@ Result read_result(const path& path, bool unsealed) {
   } catch (const std::bad_alloc&) {
     throw too_little_memory(place);
   }
-}
-
-std::uint64_t estimated_bytes(std::uint64_t steps, std::uint64_t bodies, std::uint64_t algorithms,
-                              std::uint64_t mesh_bytes) {
-  constexpr std::uint64_t kHitsPerBody = 4;  // of one algorithm at one step; a heap at rest has about 3
-  constexpr std::uint64_t kPose = 7 * 8, kPair = 8, kColumn = 8;
-  constexpr std::uint64_t kNames = 1 << 16;                            // attributes, names, HDF5's own
-  const std::uint64_t list = kHitsPerBody * bodies * kPair + kColumn;  // the pairs of one step, and their offset
-  const std::uint64_t results = (std::size(kResultTimes) + std::size(kResultCounts) + 1) * kColumn;
-  const std::uint64_t physics =
-      (std::size(kPhysicsReals) + std::size(kPhysicsCounts) + std::size(kPhysicsTimes)) * kColumn;
-  return kNames + mesh_bytes + steps * (bodies * kPose + physics + (algorithms + 1) * list + algorithms * results);
 }
 
 }  // namespace pipeline

@@ -31,9 +31,4 @@ Result read_result(const std::filesystem::path& path, bool unsealed = false);
 /// The digests of a result: "/motion", "/truth", "/answers/<label>" and "/" (README, "The digest").
 std::map<std::string, std::string> digests(const Result& result);
 
-/// Estimated bytes of the file before deflate, at 4 hits per body, step and algorithm. `mesh_bytes` are those of the
-/// distinct meshes: 24 a vertex and 12 a triangle.
-std::uint64_t estimated_bytes(std::uint64_t steps, std::uint64_t bodies, std::uint64_t algorithms,
-                              std::uint64_t mesh_bytes);
-
 }  // namespace pipeline

@@ -136,6 +136,7 @@ void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(p.energy_bound, q.energy_bound);
   EXPECT_EQ(a.contact_radius, b.contact_radius);
   EXPECT_EQ(a.containment, b.containment);
+  EXPECT_EQ(a.closed_within, b.closed_within);
   EXPECT_EQ(a.gap_margin, b.gap_margin);
   EXPECT_EQ(a.repeats, b.repeats);
   ASSERT_EQ(a.algorithms.size(), b.algorithms.size());
@@ -235,6 +236,7 @@ time_budget = 0
 energy_bound = 1.5
 [truth]
 containment = "ignore"
+closed_within = 1e-9
 [timing]
 repeats = 1000
 [[algorithm]]

@@ -153,6 +153,11 @@ void expect_same(const Result& a, const Result& b) {
   expect_same(a.truth.hits, b.truth.hits);
   EXPECT_EQ(a.truth.containment, b.truth.containment);
   expect_same(a.truth.contained, b.truth.contained);
+  EXPECT_EQ(a.truth.contained_inside, b.truth.contained_inside);
+  ASSERT_EQ(a.truth.closed_within.size(), b.truth.closed_within.size());
+  for (std::size_t i = 0; i < a.truth.closed_within.size(); ++i)
+    EXPECT_TRUE(same_bits(a.truth.closed_within[i], b.truth.closed_within[i]));
+  EXPECT_EQ(a.bodies.closed_within, b.bodies.closed_within);
   ASSERT_EQ(a.truth.gaps.has_value(), b.truth.gaps.has_value());
   if (a.truth.gaps) {
     EXPECT_EQ(a.truth.gaps->margin, b.truth.gaps->margin);
@@ -237,9 +242,20 @@ TEST_F(Store, KeepsContainedPairsAndTheHitsOnThem) {
         result.answers[a].contained_hit = {a, 1, 0};
         result.summary[a].contained_hit = a + 1;
       }
+    round_trip(result, file("a.h5"), file("b.h5"));  // as files are that do not say which one is inside
+    result.bodies.closed_within = 0x1p-30;
+    result.truth.contained_inside = {0, 2, 3};
+    result.truth.closed_within = {2.5e-16, std::numeric_limits<double>::quiet_NaN()};
     round_trip(result, file("a.h5"), file("b.h5"));
     // They are part of the truth's digest.
     const std::string before = digests(result).at("/truth");
+    result.truth.contained_inside->at(1) = 0;
+    EXPECT_NE(digests(result).at("/truth"), before);
+    result.truth.contained_inside->at(1) = 3;  // not of the pair
+    write_result(result, file("c.h5"));
+    EXPECT_THROW(read_result(file("c.h5")), Error);
+    result.truth.contained_inside->at(1) = 2;
+    EXPECT_EQ(digests(result).at("/truth"), before);
     result.truth.contained.pair[1].b = 3;
     EXPECT_NE(digests(result).at("/truth"), before);
   }
@@ -653,7 +669,7 @@ TEST_F(Store, SaysWhyAFileCannotBeWritten) {
   std::ofstream(file("plain"));
   const fs::path nowhere = file("plain") / "result.h5";
   const std::string line = writing_fails(nowhere);
-  EXPECT_EQ(line.rfind(nowhere.string() + ": cannot be written (Not a directory)", 0), 0u) << line;
+  EXPECT_EQ(line.rfind(nowhere.string() + ": the folder cannot be opened (Not a directory)", 0), 0u) << line;
   fs::create_directory(file("folder.h5"));
   EXPECT_NE(writing_fails(file("folder.h5")).find("not a regular file"), std::string::npos);
   EXPECT_NE(writing_fails("/dev/full").find("not a regular file"), std::string::npos);
@@ -678,15 +694,6 @@ TEST_F(Store, KeepsTheOldFileWhenThereIsNoRoom) {
   EXPECT_EQ(line.find('\n'), std::string::npos) << line;
   EXPECT_TRUE(bytes_of(file()) == before);
   EXPECT_EQ(files(), std::vector<std::string>{"result.h5"});
-}
-
-TEST(EstimatedBytes, CountPosesPairsAndColumns) {
-  // One step more costs 56 bytes a pose, (A + 1) lists of 4 pairs a body and an offset, 9 columns of results and 9 of
-  // physics.
-  const std::uint64_t bodies = 275, algorithms = 11;
-  const std::uint64_t step = bodies * 56 + (algorithms + 1) * (4 * bodies * 8 + 8) + algorithms * 9 * 8 + 9 * 8;
-  EXPECT_EQ(estimated_bytes(601, bodies, algorithms, 1000) - estimated_bytes(600, bodies, algorithms, 1000), step);
-  EXPECT_EQ(estimated_bytes(600, bodies, algorithms, 5000) - estimated_bytes(600, bodies, algorithms, 1000), 4000u);
 }
 
 // For the tests in Python: writes the made-up result where RESULT_FILE says, when it says so.

@@ -31,6 +31,7 @@ DIMENSIONS = {
     "/truth/pair": ["entry", "side"],
     "/truth/contained_offset": ["boundary"],
     "/truth/contained_pair": ["contained_entry", "side"],
+    "/truth/contained_inside": ["contained_entry"],
     "/truth/gap_offset": ["boundary"],
     "/truth/gap_pair": ["gap_entry", "side"],
     "/truth/gap_lower": ["gap_entry"],
