@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "geometry/meshes/mesh_file.hpp"
-#include "geometry/meshes/polygon.hpp"
+#include "geometry/decision/polygon.hpp"
 #include "geometry/text.hpp"
 
 namespace geometry::mesh_reading {

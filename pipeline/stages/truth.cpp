@@ -6,6 +6,7 @@
 
 #include "geometry/decision/gap.hpp"
 #include "geometry/decision/meet.hpp"
+#include "pipeline/scene/scene.hpp"
 #include "pipeline/system/threads.hpp"
 #include "pipeline/terminal/error.hpp"
 

@@ -1,4 +1,4 @@
-#include "geometry/meshes/polygon.hpp"
+#include "geometry/decision/polygon.hpp"
 
 #include <gtest/gtest.h>
 

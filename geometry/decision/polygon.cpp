@@ -6,7 +6,7 @@
 // conditions are checked, the first as ears are cut, the second by a sweep before (Sweep). An outline that passes
 // through itself has three different winding numbers around the place, or does so where it runs back on itself, which
 // the sweep finds as two bundles of edges that cross. Touching is allowed.
-#include "geometry/meshes/polygon.hpp"
+#include "geometry/decision/polygon.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
