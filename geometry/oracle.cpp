@@ -263,38 +263,33 @@ std::optional<Mesh> closed_surface(const Mesh& mesh, double closed_within) {
     int axis = 0;
     for (int k = 1; k < 3; ++k)
       if (size[k] > size[axis]) axis = k;
-    std::vector<std::uint32_t> row(corners.begin(), corners.end());
-    std::ranges::sort(row, {}, [&](std::uint32_t v) { return std::pair(mesh.vertices[v][axis], v); });
-    std::vector<bool> done(row.size());
-    for (std::size_t start = 0; start < row.size(); ++start) {
-      if (done[start]) continue;
-      std::vector<std::size_t> group{start};  // grows while its members have neighbours
-      done[start] = true;
+    std::multimap<double, std::uint32_t> rest;  // those that are in no group yet
+    for (const std::uint32_t v : corners) rest.emplace(mesh.vertices[v][axis], v);
+    while (!rest.empty()) {
+      std::vector<std::uint32_t> group{rest.begin()->second};  // grows while its members have neighbours
+      rest.erase(rest.begin());
       for (std::size_t g = 0; g < group.size(); ++g) {
-        const Vec3& p = mesh.vertices[row[group[g]]];
-        const auto look_at = [&](std::size_t i) {
-          const Vec3& q = mesh.vertices[row[i]];
-          if (far(p[axis], q[axis])) return false;
-          if (!done[i] && !far(p[0], q[0]) && !far(p[1], q[1]) && !far(p[2], q[2])) group.push_back(i), done[i] = true;
-          return true;
-        };
-        for (std::size_t i = group[g]; i-- > 0 && look_at(i);) {
-        }
-        for (std::size_t i = group[g] + 1; i < row.size() && look_at(i); ++i) {
+        const Vec3& p = mesh.vertices[group[g]];
+        auto from = rest.lower_bound(p[axis]);
+        while (from != rest.begin() && !far(std::prev(from)->first, p[axis])) --from;
+        while (from != rest.end() && !far(from->first, p[axis])) {
+          const Vec3& q = mesh.vertices[from->second];
+          const bool near = !far(p[0], q[0]) && !far(p[1], q[1]) && !far(p[2], q[2]);
+          if (near) group.push_back(from->second);
+          from = near ? rest.erase(from) : std::next(from);
         }
       }
       std::vector<Place> places;
-      for (const std::size_t g : group) {
-        const Vec3& p = mesh.vertices[row[g]];
-        places.push_back({p[0], p[1], p[2]});
-      }
+      for (const std::uint32_t v : group)
+        places.push_back({mesh.vertices[v][0], mesh.vertices[v][1], mesh.vertices[v][2]});
       bool fits = true;
       for (std::size_t k = 0; k < 3; ++k) {
         const auto [low, high] = std::ranges::minmax(places, {}, [&](const Place& p) { return p[k]; });
         fits = fits && !far(low[k], high[k]);
       }
+      const std::uint32_t least = first.at(std::ranges::min(places));
       if (fits)
-        for (const std::size_t g : group) at[row[g]] = first.at(std::ranges::min(places));
+        for (const std::uint32_t v : group) at[v] = least;
     }
     for (Facet& f : out.triangles)
       for (std::uint32_t& v : f) v = at[v];
