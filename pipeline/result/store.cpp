@@ -551,30 +551,28 @@ class Greed {
     std::ifstream("/proc/self/statm") >> pages;
     memory_ = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + kFreeMemory + kMemoryPerByte * file_bytes;
     seconds_ = kFreeSeconds + file_bytes / kSlowBytes;
-    limit();
+    rlimit now;
+    if (getrlimit(RLIMIT_AS, &now) == 0) given_ = now.rlim_cur;
   }
-  void allow(std::uint64_t value_bytes) {
-    values_ += value_bytes;
-    limit();
-  }
-  /// Whether the limit on memory is not this one but one that the program was started with.
-  bool is_given() const { return given_; }
-
- private:
-  void limit() {
+  /// Whether the program was started with less memory than an honest file may take.
+  bool is_short() const { return given_ < memory_ + kMemoryPerValueByte * values_; }
+  void limit() const {
     rlimit now;
     if (getrlimit(RLIMIT_AS, &now) != 0) return;
-    const rlim_t most = memory_ + kMemoryPerValueByte * values_;
-    given_ = now.rlim_max < most;
-    now.rlim_cur = std::min(now.rlim_max, most);
+    now.rlim_cur = std::min<rlim_t>(given_, memory_ + kMemoryPerValueByte * values_);
     setrlimit(RLIMIT_AS, &now);
     if (getrlimit(RLIMIT_CPU, &now) != 0) return;
     now.rlim_cur = std::min<rlim_t>(now.rlim_max, seconds_ + values_ / kSlowValueBytes);
     setrlimit(RLIMIT_CPU, &now);
   }
+  void allow(std::uint64_t value_bytes) {
+    values_ += value_bytes;
+    limit();
+  }
 
+ private:
   std::uint64_t memory_ = 0, seconds_ = 0, values_ = 0;
-  bool given_ = false;
+  rlim_t given_ = RLIM_INFINITY;
 };
 
 Error too_little_memory(const std::string& place) {
@@ -593,22 +591,27 @@ void try_reading(const InputFile& file, const path& path, Seal seal, bool unseal
   limits.wall_seconds = 60 + 10 * limits.processor_seconds;  // of a slow disk, beside other work
   const auto work = [&](std::size_t) -> std::string {
     Greed greed(file.size());
+    greed.limit();
+    const auto answer = [&](const Error& error) { return std::to_string(error.code()) + " " + error.what(); };
     try {
       {
         const InputFile again(path, "try again");  // the parent's own descriptor is closed in its children
-        if (!again.same_as(file)) throw Error(kFile, place + ": was replaced while it was read; try again");
+        if (!again.same_as(file))
+          throw Error(kFile, place + ": was changed by another program meanwhile; read it again");
         read_checked(again, place, seal, unsealed, [&](std::uint64_t bytes) { greed.allow(bytes); });
       }
       H5close();  // what the library does at its end belongs to the trial
       return "";
     } catch (const Error& error) {
-      return std::to_string(error.code()) + " " + error.what();
+      // Short of memory, HDF5 1.10.8 says that anything is wrong, or corrupts its own.
+      return answer(greed.is_short() ? too_little_memory(place) : error);
     } catch (const std::bad_alloc&) {
-      if (greed.is_given()) return std::to_string(kFile) + " " + too_little_memory(place).what();
+      if (greed.is_short()) return answer(too_little_memory(place));
       throw std::runtime_error("it wanted more memory than its size explains");
     }
   };
   in_children(1, 1, limits, work, [&](std::size_t, const std::string& said, const std::string& failure) {
+    if (!failure.empty() && Greed(file.size()).is_short()) throw too_little_memory(place);
     if (!failure.empty())
       throw Error(kFile, place + ": is damaged (a trial of reading it: " + failure +
                              "); copy it again, or run again with --force");
