@@ -544,13 +544,20 @@ constexpr std::uint64_t kFreeMemory = 256 << 20, kMemoryPerByte = 16, kMemoryPer
 constexpr std::uint64_t kSlowBytes = 4 << 20, kSlowValueBytes = 20 << 20;
 constexpr std::uint64_t kFreeSeconds = 2;
 
+/// Of the whole process, before values are read.
+std::uint64_t honest_memory(std::uint64_t file_bytes) {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + kFreeMemory + kMemoryPerByte * file_bytes;
+}
+
 /// Ends this process's own greed: memory at once, by failing allocations; time by SIGXCPU.
 class Greed {
  public:
   explicit Greed(std::uint64_t file_bytes) {
-    std::uint64_t pages = 0;
-    std::ifstream("/proc/self/statm") >> pages;
-    memory_ = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + kFreeMemory + kMemoryPerByte * file_bytes;
+    rlimit now;
+    if (getrlimit(RLIMIT_AS, &now) == 0) allowed_ = now.rlim_cur;
+    memory_ = honest_memory(file_bytes);
     seconds_ = kFreeSeconds + file_bytes / kSlowBytes;
     limit();
   }
@@ -566,8 +573,8 @@ class Greed {
     rlimit now;
     if (getrlimit(RLIMIT_AS, &now) != 0) return;
     const rlim_t most = memory_ + kMemoryPerValueByte * values_;
-    given_ = now.rlim_max < most;
-    now.rlim_cur = std::min(now.rlim_max, most);
+    given_ = allowed_ < most;
+    now.rlim_cur = std::min(allowed_, most);
     setrlimit(RLIMIT_AS, &now);
     if (getrlimit(RLIMIT_CPU, &now) != 0) return;
     now.rlim_cur = std::min<rlim_t>(now.rlim_max, seconds_ + values_ / kSlowValueBytes);
@@ -575,6 +582,7 @@ class Greed {
   }
 
   std::uint64_t memory_ = 0, seconds_ = 0, values_ = 0;
+  rlim_t allowed_ = RLIM_INFINITY;
   bool given_ = false;
 };
 
@@ -610,6 +618,10 @@ void try_reading(const InputFile& file, const path& path, Seal seal, bool unseal
     }
   };
   in_children(1, 1, limits, work, [&](std::size_t, const std::string& said, const std::string& failure) {
+    // HDF5 1.10.8 also crashes where an allocation fails, and only the system kills, when memory ends.
+    rlimit memory;
+    const bool limited = getrlimit(RLIMIT_AS, &memory) == 0 && memory.rlim_cur < honest_memory(file.size());
+    if (!failure.empty() && (limited || failure.starts_with("crashed by signal 9"))) throw too_little_memory(place);
     if (!failure.empty())
       throw Error(kFile, place + ": is damaged (a trial of reading it: " + failure +
                              "); copy it again, or run again with --force");
