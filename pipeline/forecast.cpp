@@ -31,6 +31,11 @@ void Forecast::done(std::uint64_t items, double seconds, bool fresh, double busy
   actual_ = fade * actual_ + seconds;
 }
 
+const Stage* Forecast::find(const std::string& stage) const {
+  const auto found = std::ranges::find(stages_, stage, &Stage::name);
+  return found == stages_.end() ? nullptr : &*found;
+}
+
 void Forecast::improve(const Stage& stage) {
   for (Stage& known : stages_)
     if (known.name == stage.name && known.until.size() == stage.until.size()) known = stage;

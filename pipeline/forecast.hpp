@@ -37,6 +37,9 @@ class Forecast {
   /// So many items more are done, which took so many seconds; not `fresh`: they were taken over and took none.
   void done(std::uint64_t items, double seconds, bool fresh, double busy = 1);
 
+  /// The stage of that name as it is foreseen, or null.
+  const Stage* find(const std::string& stage) const;
+
   /// Foresees the stage of that name anew, when it has as many items.
   void improve(const Stage& stage);
 

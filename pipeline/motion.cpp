@@ -159,7 +159,8 @@ MotionTrial try_motion(const Config& config, const Scene& scene, std::vector<Bod
   return out;
 }
 
-Motion integrate(const Config& config, const Scene& scene, const Part& part, Progress& progress) {
+Motion integrate(const Config& config, const Scene& scene, const Part& part, Progress& progress,
+                 const AfterChunk& after_chunk) {
   const std::size_t bodies = scene.bodies.size();
   Motion motion;
   motion.physics.status = "complete";
@@ -200,6 +201,7 @@ Motion integrate(const Config& config, const Scene& scene, const Part& part, Pro
     } else {
       states.assign(chunk.samples.end() - std::ptrdiff_t(bodies), chunk.samples.end());
     }
+    if (after_chunk) after_chunk(motion.poses);
   }
 
   // The rest of a failed motion: fixed bodies stay, the others are nowhere.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
@@ -142,13 +143,21 @@ Result run(const Config& config, const RunOptions& options) {
   if (!options.quiet) forecast = Forecast(foreseen_stages(config, scene, planned, threads, kTrial));
   const std::uint64_t steps = std::uint64_t(config.steps);
 
+  // While the motion is made, how long its answers will take is looked at where that is worth the time.
+  std::optional<Looks> looks;
+  AfterChunk after_chunk;
+  if (const Stage* detecting = forecast.find("detect");
+      detecting && detecting->seconds() > 5 * kTrial && config.scene_kind->integrated) {
+    looks.emplace(scene.bodies, config.algorithms, config.repeats, planned, *detecting);
+    after_chunk = [&](const auto& poses) { forecast.improve(looks->look(poses)); };
+  }
   Result result;
   {
     Progress progress("motion", steps, options.quiet, &forecast);
     if (config.scene_kind->integrated) {
       Motion motion;
       try {
-        motion = integrate(config, scene, part, progress);
+        motion = integrate(config, scene, part, progress, after_chunk);
       } catch (const Error& error) {
         if (error.code() == kInput) part.remove();  // no run of this configuration can ever finish: nothing stays
         throw;
@@ -160,12 +169,8 @@ Result run(const Config& config, const RunOptions& options) {
       progress.add(steps);
     }
   }
+  looks.reset();
   result.bodies = std::move(scene.bodies);
-  // How long answers take is known better now that all poses are.
-  if (config.scene_kind->integrated && forecast.left().value_or(0) > 10 * kTrial)
-    for (const Stage& stage :
-         foreseen_stages(result.bodies, result.motion, config.algorithms, config.repeats, 0, planned, kTrial))
-      forecast.improve(stage);
   {
     Progress progress("truth", steps, options.quiet, &forecast);
     result.truth = decide(result.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);

@@ -21,9 +21,10 @@ Scene make_scene(const Config& config) {
 }
 
 std::uint64_t Ahead::before(double steps) const {
-  if (!(first < steps)) return 0;
+  const double last = steps - 1;  // what happens between two samples shows in the later one
+  if (!(first <= last)) return 0;
   if (every == 0) return times;
-  return std::uint64_t(std::min(double(times), std::ceil((steps - first) / every)));
+  return std::uint64_t(std::min(double(times), std::floor((last - first) / every) + 1));
 }
 
 std::string left_out(const Config& config) {

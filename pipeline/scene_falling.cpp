@@ -162,7 +162,8 @@ std::vector<Ahead> ahead(const Config& config) {
       if (!(gravity > 0)) continue;  // it never lands
       step = config.rate * fall_time(metres, gravity, config.physics.linear_damping);
     }
-    out.push_back({.what = "landing of set " + std::to_string(s + 1) + ", " + std::to_string(spheres) + " spheres",
+    out.push_back({.what = "landing of set " + std::to_string(s + 1) + ", " + std::to_string(spheres) +
+                           (spheres == 1 ? " sphere" : " spheres"),
                    .first = step,
                    .bodies = spheres + lying,
                    .lasts = kLively * step});

@@ -338,7 +338,8 @@ Scene make(const Config& config) {
 std::vector<Ahead> ahead(const Config& config) {
   const ReplayInputs& inputs = inputs_of(config);
   std::vector<Ahead> out;
-  for (std::size_t b = 0; b < inputs.bodies.size(); ++b) {
+  for (const CsvTrack& track : inputs.csv.tracks) out.push_back({.what = "births", .first = double(track.first)});
+  for (std::size_t b = 0; !inputs.poses.empty() && b < inputs.bodies.size(); ++b) {
     const auto birth = std::ranges::find_if(inputs.poses, [b](const auto& step) { return geometry::is_born(step[b]); });
     out.push_back({.what = "births", .first = double(birth - inputs.poses.begin())});
   }

@@ -273,6 +273,43 @@ std::vector<Stage> foreseen_stages(const Config& config, const Plan& plan, int t
           even("store", 1, store_seconds(plan))};
 }
 
+struct Looks::Implementation {
+  Asked asked;
+  Stage foreseen;
+  std::vector<std::size_t> at;  // steps that were asked about
+  std::vector<double> cost;     // s
+};
+
+Looks::Looks(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Plan& plan,
+             Stage detect) {
+  constexpr double kSeconds = 0.6;
+  implementation_.reset(new Implementation{Asked(bodies, choices, repeats, plan, kSeconds), std::move(detect), {}, {}});
+}
+
+Looks::~Looks() = default;
+
+Stage Looks::look(const std::vector<std::vector<Pose>>& poses) {
+  auto& [asked, foreseen, at, cost] = *implementation_;
+  const auto step_of = [&](std::size_t s) { return foreseen.until[s + 1] - foreseen.until[s]; };
+  at.push_back(poses.size() - 1);
+  cost.push_back(asked.step(poses.back()).detect);
+  double found = 0, expected = 0;
+  for (std::size_t i = at.size() < 2 ? 0 : at.size() - 2; i < at.size(); ++i) {
+    found += cost[i];
+    expected += step_of(at[i]);
+  }
+  const double factor = expected > 0 ? std::clamp(found / expected, 1 / 3., 3.) : 1;
+  std::size_t next = 0;
+  return stage("detect", std::int64_t(foreseen.until.size()) - 1, 0, [&](std::int64_t step) {
+    const auto s = std::size_t(step);
+    if (s > at.back()) return factor * step_of(s);
+    while (at[next] < s) ++next;
+    if (next == 0) return cost[0];
+    const double part = double(s - at[next - 1]) / double(at[next] - at[next - 1]);
+    return cost[next - 1] + part * (cost[next] - cost[next - 1]);
+  });
+}
+
 Seconds range(const std::vector<Stage>& stages, const Config& config) {
   // How far whole runs of configs/ were from what was foreseen for them, on a machine busy with other work too: README.
   const double spread = config.study ? 3 : 2;

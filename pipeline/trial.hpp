@@ -1,5 +1,6 @@
 // How long a run would take: a trial of its stages before it begins.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,23 @@ std::vector<Stage> foreseen_stages(const geometry::Bodies& bodies,
                                    const std::vector<std::vector<geometry::Pose>>& poses,
                                    const std::vector<AlgorithmChoice>& choices, std::int64_t repeats,
                                    std::uint64_t passes, const Plan& plan, double seconds);
+
+/// Asks methods about a motion while it is made: what detection will take is known better the more of it is there.
+class Looks {
+ public:
+  /// `detect` as foreseen_stages has it; everything else must outlive this object.
+  Looks(const geometry::Bodies& bodies, const std::vector<AlgorithmChoice>& choices, std::int64_t repeats,
+        const Plan& plan, Stage detect);
+  ~Looks();
+
+  /// Asks about the last of the poses so far. Returns the stage as it is foreseen now: what was asked about as it was
+  /// found, the rest as before, times how far the last two looks were from what was foreseen for them.
+  Stage look(const std::vector<std::vector<geometry::Pose>>& poses);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
 
 /// Of extremes and of studies, which have recorded rates.
 std::vector<Stage> foreseen_stages(const Config& config, const Plan& plan, int threads);

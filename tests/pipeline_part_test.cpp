@@ -311,11 +311,11 @@ TEST(Chunk, ReadsWhatWasWritten) {
 // It asked the disk for every step that the manifest spoke of: 10^7 cases stalled `show`.
 TEST(Part, CountsWhatIsThere) {
   const TemporaryFolder folder;
-  std::ofstream(folder / "manifest.json") << R"({"title":"t","steps":10000000,"study":true})";
+  std::ofstream(folder / "manifest.json") << R"({"kind":"collision benchmark checkpoint","title":"t","steps":10000000,"study":true})";
   for (const char* name : {"case-0000003", "case-9999999", "case-10000000", "case-3", "case-0000004.new", "lock"})
     std::ofstream(folder / name) << "x";
   EXPECT_EQ(part_status(folder / "").cases, 2);
-  std::ofstream(folder / "manifest.json") << R"({"title":"t","steps":130})";
+  std::ofstream(folder / "manifest.json") << R"({"kind":"collision benchmark checkpoint","title":"t","steps":130})";
   for (const char* name : {"motion-0000000", "motion-0000050", "truth-0000100", "answers-0000007", "truth-0000150"})
     std::ofstream(folder / name) << "x";
   const PartStatus status = part_status(folder / "");

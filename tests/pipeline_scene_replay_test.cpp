@@ -78,6 +78,15 @@ TEST_F(Replay, FewerStepsMayBeAskedForAndMoreNot) {
             "--set steps=4: 'steps' must be at most 3, the steps of poses.csv, not 4");
 }
 
+TEST_F(Replay, BirthsThatFewerStepsLeaveOutAreSaid) {
+  write("poses.csv", kPoses + "2,late,2,5,0,1,0,0,0\n");
+  std::string late = kHero;
+  late.replace(late.find("hero"), 4, "late");
+  EXPECT_NE(left_out(config("steps = 2\n" + kScene + kHero + late)).find("2 steps leave out 1 of 2 births (step 2)"),
+            std::string::npos);
+  EXPECT_EQ(left_out(config(kScene + kHero + late)), "");
+}
+
 TEST_F(Replay, OnlyChoosesBodies) {
   const Config c = config(kScene + "only = [\"wall\"]\n" + kHero + kWall);
   EXPECT_EQ(c.scene_kind->make(c).bodies.chosen, (std::vector<std::uint8_t>{0, 1}));

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from program import DONE, INPUT, PIPELINE, ROOT, one_line, pipeline
+from program import DONE, INPUT, PIPELINE, ROOT, pipeline
 
 CONFIGS = sorted(str(path) for path in (ROOT / "configs").glob("*.toml"))
 
@@ -80,7 +80,7 @@ def test_out_of_memory_names_the_label(tmp_path):
 
     run = pipeline("run", config, "-o", tmp_path / "x.h5", "--quiet", "--threads", 1, preexec_fn=little)
     assert run.returncode == INPUT, run.stderr
-    assert re.search(r"algorithm 'greedy': out of memory; it takes about \d\.\d GiB: sample fewer", one_line(run))
+    assert re.search(r"algorithm 'greedy': out of memory; it takes about \d\.\d GiB: sample fewer", run.stderr.splitlines()[-1])
 
 
 def test_too_much_for_this_machine_names_the_label_that_wants_it(tmp_path):
@@ -89,7 +89,7 @@ def test_too_much_for_this_machine_names_the_label_that_wants_it(tmp_path):
     config.write_text(CUBES.format(640) + many)
     for command in (["run", config, "-o", tmp_path / "x.h5"], ["check", config]):
         run = pipeline(*command)
-        assert run.returncode == INPUT and "of memory, this machine has" in one_line(run)
+        assert run.returncode == INPUT and "of memory, this machine has" in run.stderr.splitlines()[-1]
     assert list(tmp_path.iterdir()) == [config]
 
 
@@ -119,7 +119,7 @@ def test_a_landing_is_foretold_within_two_steps(tmp_path):
     h5py = pytest.importorskip("h5py")
     config = str(ROOT / "configs" / "smoke.toml")
     said = pipeline("check", config, "--set", "steps=1").stderr
-    foretold = {int(number): int(step) for number, step in re.findall(r"set (\d), \d+ spheres \(step (\d+)\)", said)}
+    foretold = {int(number): int(step) for number, step in re.findall(r"set (\d), \d+ spheres? \(step (\d+)\)", said)}
     path = tmp_path / "x.h5"
     assert pipeline("run", config, "-o", path, "--quiet").returncode == DONE
     with h5py.File(path) as file:
