@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/meshes/shapes.hpp"
+#include "pipeline/config.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "tests/support/temporary_folder.hpp"
 

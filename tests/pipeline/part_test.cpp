@@ -311,7 +311,8 @@ TEST(Chunk, ReadsWhatWasWritten) {
 // It asked the disk for every step that the manifest spoke of: 10^7 cases stalled `show`.
 TEST(Part, CountsWhatIsThere) {
   const TemporaryFolder folder;
-  std::ofstream(folder / "manifest.json") << R"({"kind":"collision benchmark checkpoint","title":"t","steps":10000000,"study":true})";
+  std::ofstream(folder / "manifest.json")
+      << R"({"kind":"collision benchmark checkpoint","title":"t","steps":10000000,"study":true})";
   for (const char* name : {"case-0000003", "case-9999999", "case-10000000", "case-3", "case-0000004.new", "lock"})
     std::ofstream(folder / name) << "x";
   EXPECT_EQ(part_status(folder / "").cases, 2);

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "pipeline/config.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/run.hpp"
 #include "pipeline/scene/scene.hpp"

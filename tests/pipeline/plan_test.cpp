@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pipeline/config.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/trial.hpp"

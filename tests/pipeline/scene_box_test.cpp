@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "pipeline/config.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/motion.hpp"
 #include "pipeline/terminal/error.hpp"

@@ -6,7 +6,9 @@
 #include <set>
 
 #include "geometry/decision/oracle.hpp"
+#include "pipeline/config.hpp"
 #include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/extremes.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "tests/support/temporary_folder.hpp"

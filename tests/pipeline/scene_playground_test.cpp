@@ -4,7 +4,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "pipeline/config.hpp"
 #include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/passes.hpp"
 #include "pipeline/terminal/error.hpp"
 
 using namespace pipeline;

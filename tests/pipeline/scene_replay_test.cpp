@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include "pipeline/config.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "pipeline/config.hpp"
+
 using namespace pipeline;
 
 namespace {
