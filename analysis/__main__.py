@@ -8,11 +8,12 @@ import argparse
 import sys
 import warnings
 
-from analysis import scenes, study_tables, viewer
+from analysis.tables import scenes, study_tables
+from analysis.viewer import viewer
 from analysis.intact import Unvouched
 from analysis.load import load
 from analysis.output import open_standard_descriptors, refuse, say, visible, write
-from analysis.statements import shown, verdicts
+from analysis.tables.statements import shown, verdicts
 
 KINDS = ("box", "falling", "playground")
 
@@ -58,7 +59,7 @@ def write_report(paths, output, unsealed=False):
     """The page of the results at `paths`, whole or not at all; prints where it is. Only a page is overwritten."""
     refuse(output)  # before the work
     runs = [read(path, unsealed) for path in paths]
-    from analysis.report import report  # matplotlib is slow to load, and nothing above needs it
+    from analysis.report.report import report  # matplotlib is slow to load, and nothing above needs it
 
     write(output, report(runs))
     say(output)

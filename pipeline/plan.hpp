@@ -18,7 +18,7 @@ struct LabelPlan {
   algorithms::Memory memory;
 };
 
-/// Bytes are estimates, meant to be right within a factor of 1.5: tests/test_estimates.py runs and compares.
+/// Bytes are estimates, meant to be right within a factor of 1.5: tests/commands/test_estimates.py runs and compares.
 struct Plan {
   std::uint64_t bodies = 0, meshes = 0, triangles = 0, pairs = 0, passes = 0, case_sets = 0;
   std::uint64_t cases = 0;  // of a study, which has nothing of the above

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The recorded answers of small motions of all scenes: compared by tests/test_baselines.py, made by
+"""The recorded answers of small motions of all scenes: compared by tests/commands/test_baselines.py, made by
 
     tests/baselines.py --write [NAME...]
 

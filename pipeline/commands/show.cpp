@@ -149,7 +149,7 @@ std::string extremes_text(const Result& result) {
           extremes.rows.size(), near, static_cast<long long>(kNearUlps)) +
       aligned(places) +
       "\nfar offsets lack small scales and small gaps, which rounding would swallow: like is compared with like by\n"
-      "analysis.extremes, error_by_offset(run, like=True)\n\n";
+      "analysis.tables.extremes, error_by_offset(run, like=True)\n\n";
   for (std::size_t a = 0; a < result.answers.size(); ++a)
     if (!extremes.answers[a].reason.empty())
       text += result.answers[a].label + " failed first: " + one_line(extremes.answers[a].reason, 200) + "\n";

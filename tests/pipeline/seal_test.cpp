@@ -1,5 +1,5 @@
 // The last line of a result. That it is XXH3-128 of what stands before it is compared with another library in
-// tests/test_file.py.
+// tests/commands/test_file.py.
 #include "pipeline/result/seal.hpp"
 
 #include <gtest/gtest.h>

@@ -6,10 +6,11 @@ the others are named. Every figure is of one file, its times of one machine and 
 
 import re
 
-from analysis import engine_figures, pareto, playground_map, scenes, step_figures
-from analysis.drawing import NotDrawn, guarded, key, simulated
-from analysis.figure import Figure, Section
-from analysis.thesis_tables import means_figure, statements_table
+from analysis.figures import engine as engine_figures, playground as playground_map, steps as step_figures
+from analysis.tables import pareto, scenes
+from analysis.figures.drawing import NotDrawn, guarded, key, simulated
+from analysis.figures.figure import Figure, Section
+from analysis.figures.thesis_tables import means_figure, statements_table
 
 NAMES = {
     "box": ("thesis section 5.1 (Kostka)", "figures 5.1 to 5.13, table 5.1"),

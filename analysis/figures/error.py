@@ -5,9 +5,10 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from analysis import labels, pareto
-from analysis.drawing import shortened
-from analysis.figure import INVENTED, MISSED, Figure, figure, style, svg_of
+from analysis.figures import labels
+from analysis.tables import pareto
+from analysis.figures.drawing import shortened
+from analysis.figures.figure import INVENTED, MISSED, Figure, figure, style, svg_of
 
 NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
 HEIGHT = 4.7  # inches, without the legend

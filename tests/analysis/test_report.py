@@ -16,13 +16,14 @@ from editing import edited
 from browser import browsing, open_page
 from conftest import ROOT, SCENES
 
-from analysis import labels, pareto, plots_error, thesis_figures
-from analysis import report as report_module
+from analysis.figures import error as plots_error, labels, thesis as thesis_figures
+from analysis.tables import pareto
+from analysis.report import report as report_module
 from analysis.__main__ import main
-from analysis.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
+from analysis.figures.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
 from analysis.load import load
-from analysis.page import page, shown
-from analysis.report import report
+from analysis.report.page import page, shown
+from analysis.report.report import report
 
 
 @pytest.fixture(scope="module")

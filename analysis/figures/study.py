@@ -6,11 +6,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
 
-from analysis import pareto, studies, study_tables
-from analysis.drawing import BINS, guarded, listed
-from analysis.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
-from analysis.page import slug
-from analysis.plots_error import counted, number
+from analysis.tables import pareto, studies, study_tables
+from analysis.figures.drawing import BINS, guarded, listed
+from analysis.figures.figure import PALETTE, Figure, Section, Table, figure, style, svg_of, slug
+from analysis.figures.error import counted, number
 
 # The families have colours, their members markers and lines; the same in every figure.
 INTEGRATORS = {

@@ -5,9 +5,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from analysis import thresholds as t
-from analysis.drawing import key as key_of
-from analysis.drawing import (
+from analysis.tables import thresholds as t
+from analysis.figures.drawing import key as key_of
+from analysis.figures.drawing import (
     NotDrawn,
     algorithm,
     binned,
@@ -29,7 +29,7 @@ from analysis.drawing import (
     stretches,
     time_text,
 )
-from analysis.figure import PALETTE, Figure, figure, style, svg_of
+from analysis.figures.figure import PALETTE, Figure, figure, style, svg_of
 
 THESIS = {"box": "figures 5.5 to 5.13", "falling": "figures 5.17 to 5.25"}
 TRUTH = "#DADADA"

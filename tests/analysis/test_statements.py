@@ -11,8 +11,8 @@ from editing import edited
 from conftest import ROOT
 
 from analysis.load import load
-from analysis.scenes import Playground, Timed, _shape, playground, rotation
-from analysis.statements import KEYS, STATEMENTS, judged, verdicts
+from analysis.tables.scenes import Playground, Timed, _shape, playground, rotation
+from analysis.tables.statements import KEYS, STATEMENTS, judged, verdicts
 
 NEVER = np.nan
 

@@ -4,12 +4,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.patches import Patch
 
-from analysis import extremes, pareto
-from analysis.drawing import guarded, listed, shortened
-from analysis.figure import INVENTED, MISSED, Figure, Section, Table, figure, svg_of
-from analysis.page import slug
-from analysis.plots_error import number
-from analysis.study_figures import draw_map, heads_of, source, space
+from analysis.tables import extremes, pareto
+from analysis.figures.drawing import guarded, listed, shortened
+from analysis.figures.figure import INVENTED, MISSED, Figure, Section, Table, figure, svg_of, slug
+from analysis.figures.error import number
+from analysis.figures.study import draw_map, heads_of, source, space
 
 # An error that differs by less over a thing may do so by chance: in configs/extremes.toml errors of one half of the
 # random orientations of an offset differ by up to 0.053 from those of the other.

@@ -20,7 +20,7 @@ from browser import browsing
 from conftest import ROOT
 from program import one_line
 
-from analysis import viewer
+from analysis.viewer import viewer
 from analysis.__main__ import main
 from analysis.load import load
 

@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pandas as pd
 
-from analysis.figure import Figure, Points, Table, Text
+from analysis.figures.figure import Figure, Points, Table, Text, slug
 
 LONG = 40  # characters: texts that are given room to be read in lines
 SHORT = 26  # characters: texts that do not break
@@ -52,10 +52,6 @@ def page(title, lead, warnings, sections):
 
 def _beside(name):
     return pathlib.Path(__file__).with_name(name).read_text(encoding="utf-8")
-
-
-def slug(text):
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "section"
 
 
 def _warnings(warnings):

@@ -9,9 +9,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter, LogLocator
 from matplotlib.transforms import ScaledTranslation
 
-from analysis import pareto
-from analysis.scenes import twins
-from analysis.studies import simulated
+from analysis.tables import pareto
+from analysis.tables.scenes import twins
+from analysis.tables.studies import simulated
 
 MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
 LINE = 19  # letters of a line above a small panel

@@ -13,7 +13,7 @@ import xarray
 
 from analysis.load import load
 
-SMOKE = pathlib.Path(__file__).resolve().parent.parent / "configs" / "smoke.toml"
+SMOKE = pathlib.Path(__file__).resolve().parent.parent.parent / "configs" / "smoke.toml"
 GAP = ["--set", "truth.gap=true", "--set", "truth.gap_margin=0.3"]
 
 

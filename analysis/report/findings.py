@@ -6,11 +6,12 @@ unfinished integration, cases left out) come first.
 
 import numpy as np
 
-from analysis import extremes, extremes_figures, pareto, studies, study_tables
-from analysis.drawing import NotDrawn, listed, plain, time_text
-from analysis.figure import Points, Section
-from analysis.plots_error import counted, number
-from analysis.study_figures import FAILED, OTHERWISE, causes, drift_words, follow_text, heads_of, steady
+from analysis.figures import extremes as extremes_figures
+from analysis.tables import extremes, pareto, studies, study_tables
+from analysis.figures.drawing import NotDrawn, listed, plain, time_text
+from analysis.figures.figure import Points, Section
+from analysis.figures.error import counted, number
+from analysis.figures.study import FAILED, OTHERWISE, causes, drift_words, follow_text, heads_of, steady
 
 
 def section(runs):

@@ -12,11 +12,11 @@ from editing import edited
 from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
-from analysis import drawing, engine_figures, playground_map, step_figures, thesis_figures, thesis_tables
-from analysis.drawing import NotDrawn
-from analysis.figure import Figure, Table, figure, style
+from analysis.figures import drawing, engine as engine_figures, playground as playground_map, steps as step_figures, thesis as thesis_figures, thesis_tables
+from analysis.figures.drawing import NotDrawn
+from analysis.figures.figure import Figure, Table, figure, style
 from analysis.load import load
-from analysis.statements import KEYS
+from analysis.tables.statements import KEYS
 
 LETTERS = {name: letter for letter, name in KEYS.items()}
 
@@ -460,7 +460,7 @@ def test_metres_that_round_to_nothing_have_no_sign():
 
 
 def test_verdicts_are_counted_in_the_title(monkeypatch):
-    from analysis.statements import Verdict
+    from analysis.tables.statements import Verdict
 
     found = [
         Verdict(1, "", "confirmed", {"ratio": 2.0}, "one"),

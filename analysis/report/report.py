@@ -4,10 +4,12 @@ import json
 
 import pandas as pd
 
-from analysis import extremes_figures, findings, pareto, plots_error, study_figures, thesis_figures
-from analysis.figure import Section, Table, Text
-from analysis.page import page
-from analysis.plots_error import counted, number
+from analysis.figures import error as plots_error, extremes as extremes_figures, study as study_figures, thesis as thesis_figures
+from analysis.report import findings
+from analysis.tables import pareto
+from analysis.figures.figure import Section, Table, Text
+from analysis.report.page import page
+from analysis.figures.error import counted, number
 
 SUMMARY = {  # column of the summary -> its head
     "error": "error",

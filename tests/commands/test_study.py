@@ -17,7 +17,7 @@ import xarray
 from conftest import ROOT
 from test_cli import DONE, FILE, INPUT, INTERRUPTED, PIPELINE, digest, one_line, pipeline
 
-from analysis import studies, study_tables
+from analysis.tables import studies, study_tables
 from analysis.load import load
 
 CONFIG = """

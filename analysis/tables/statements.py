@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis import thresholds as t
+from analysis.tables import thresholds as t
 
 KEYS = {
     "G": "obb_sat",

@@ -9,8 +9,10 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
-from analysis import extremes, extremes_figures, findings, plots_error, report, studies, study_figures, study_tables
-from analysis.figure import PALETTE, Figure, Table
+from analysis.figures import error as plots_error, extremes as extremes_figures, study as study_figures
+from analysis.report import findings, report
+from analysis.tables import extremes, studies, study_tables
+from analysis.figures.figure import PALETTE, Figure, Table
 
 MERSON, EULER = "RungeKuttaMerson", "ExplicitEuler"
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray
 
-from analysis import extremes
+from analysis.tables import extremes
 from analysis.load import load
 
 CONFIG = """

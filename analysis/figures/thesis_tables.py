@@ -5,11 +5,11 @@ import re
 import numpy as np
 import pandas as pd
 
-from analysis import thresholds as t
-from analysis.drawing import NotDrawn, caption, comparable, digits, key, log_seconds, steps_of
-from analysis.figure import PALETTE, Figure, Table, figure, svg_of
-from analysis.scenes import twins
-from analysis.statements import CAREFUL, KEYS, shown, verdicts
+from analysis.tables import thresholds as t
+from analysis.figures.drawing import NotDrawn, caption, comparable, digits, key, log_seconds, steps_of
+from analysis.figures.figure import PALETTE, Figure, Table, figure, svg_of
+from analysis.tables.scenes import twins
+from analysis.tables.statements import CAREFUL, KEYS, shown, verdicts
 
 # Mean milliseconds per step, Babylon.js in a browser: letter -> (table 5.1, the box; table 5.2, the falling scene).
 THESIS_MS = {
@@ -135,7 +135,7 @@ def statements_table(scenes, notes=()):
     title += f". Of {len(careful)} judged again on the careful form {counted(careful)}" if len(careful) else ""
     letters = ", ".join(f"{letter} {label}" for letter, label in KEYS.items())
     text = (
-        f"{letters}. What words such as “slightly” mean is a number of analysis/thresholds.py, fixed before there were "
+        f"{letters}. What words such as “slightly” mean is a number of analysis/tables/thresholds.py, fixed before there were "
         f"results: early and late count from {t.EXACT_M} m on, “slightly” ends at {t.SLIGHT_M} m, “too early” begins "
         f"at {t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. "
         "Lengths are in m, times ratios, shares of 1."

@@ -183,3 +183,8 @@ def svg_of(fig, titles=None):
     text = re.sub(r'<svg ([^>]*?)(width|height)="[\d.]+pt" ', r"<svg \1", text)
     text = text.replace("<svg ", '<svg style="stroke-linejoin:round;stroke-linecap:butt" ', 1)
     return re.sub(r"\n\s*", "\n", text).strip()
+
+
+def slug(text):
+    """The text as the name of a place in the page."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "section"

@@ -1,0 +1,1 @@
+"""Tables from results, without matplotlib: what a notebook wants."""

@@ -1,0 +1,1 @@
+"""A step in 3D: one HTML page."""
