@@ -1,5 +1,5 @@
-// Every key of a configuration with its rule and default, and the way back to TOML. Source of the keys: README,
-// "Configuration".
+// Every key of a configuration with its rule and default, and the way back to TOML. Source of the keys:
+// configs/README.md.
 #include "pipeline/config.hpp"
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// The command line (README, "Command line").
+// The command line (pipeline/README.md).
 #pragma once
 
 namespace pipeline {

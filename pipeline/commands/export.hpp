@@ -10,10 +10,10 @@
 
 namespace pipeline {
 
-/// The VTP of a step (README, "ParaView"): the world vertices of all bodies that are born, the very doubles by which
-/// the truth was decided; their triangles, with data per triangle: `body` (its number), `truth_hits` (pairs of the body
-/// that score), `false_positive_<label>` and `false_negative_<label>` (pairs of the body); and as field data TimeValue
-/// (s), `step`, and `name` of every body by its number.
+/// The VTP of a step (analysis/README.md, "A look at a step"): the world vertices of all bodies that are born, the very
+/// doubles by which the truth was decided; their triangles, with data per triangle: `body` (its number), `truth_hits`
+/// (pairs of the body that score), `false_positive_<label>` and `false_negative_<label>` (pairs of the body); and as
+/// field data TimeValue (s), `step`, and `name` of every body by its number.
 std::string vtp(const Result& result, std::size_t step);
 
 /// `path` without folder and extension, whatever XML or a file system could stumble over made '_'.

@@ -1,4 +1,4 @@
-// The file's contents as README's "The file" lists them, group by group.
+// The file's contents as pipeline/FILE.md lists them, group by group.
 #include "pipeline/result/layout.hpp"
 
 #include <algorithm>

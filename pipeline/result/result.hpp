@@ -1,4 +1,4 @@
-// A result in memory: what the HDF5 file holds (README, "The file"). S steps, B bodies, A algorithms.
+// A result in memory: what the HDF5 file holds (pipeline/FILE.md). S steps, B bodies, A algorithms.
 #pragma once
 #include <cstdint>
 #include <limits>
@@ -166,7 +166,7 @@ struct StudyRow {
   double stiffness = kNone;                                  // Pa
   double dissipation = kNone;                                // s/m
 
-  // What came of it. `status` is one of README's, `reason` says in words why it did not finish, or
+  // What came of it. `status` is one of configs/README.md's, `reason` says in words why it did not finish, or
   // why its error is not known.
   std::string status = "not run", reason;
   double reached = kNone;                                                   // s

@@ -1,4 +1,4 @@
-// The result file: HDF5, laid out as README's "The file" says. The only place, with h5.hpp, that knows HDF5.
+// The result file: HDF5, laid out as pipeline/FILE.md says. The only place, with h5.hpp, that knows HDF5.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -28,7 +28,7 @@ void write_result(Result& result, const std::filesystem::path& path);
 /// all the same; so are files from before there were seals. To be called while this process has one thread.
 Result read_result(const std::filesystem::path& path, bool unsealed = false);
 
-/// The digests of a result: "/motion", "/truth", "/answers/<label>" and "/" (README, "The digest").
+/// The digests of a result: "/motion", "/truth", "/answers/<label>" and "/" (pipeline/result/digest.hpp).
 std::map<std::string, std::string> digests(const Result& result);
 
 }  // namespace pipeline

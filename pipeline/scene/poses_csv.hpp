@@ -1,4 +1,4 @@
-// Poses from CSV, for replayed scenes: other people's motion (README, "Other people's motion").
+// Poses from CSV, for replayed scenes: other people's motion (configs/README.md).
 //
 //   step,body,px,py,pz,qw,qx,qy,qz
 //

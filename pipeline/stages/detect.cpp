@@ -19,7 +19,7 @@ using geometry::PairRun;
 using geometry::Pose;
 
 /// A miss of a conservative method that it finds with boxes and radii this much larger (times size + |t|) is a rounding
-/// miss (README, "Promises").
+/// miss (pipeline/FILE.md, "Definitions").
 constexpr double kRoundingEnlargement = 0x1p-40;
 
 struct Entry {

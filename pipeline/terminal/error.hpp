@@ -5,7 +5,7 @@
 
 namespace pipeline {
 
-/// What the program ends with (README, "Exit codes").
+/// What the program ends with (pipeline/README.md).
 enum ExitCode : int {
   kDone = 0,
   kFailed = 1,  // the run failed, the score or the check differs

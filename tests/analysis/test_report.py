@@ -535,8 +535,8 @@ def test_the_script_finds_its_python_from_any_folder(result_file, tmp_path):
 # ---- README
 
 
-def test_the_ten_lines_of_the_readme_draw_its_picture(result_file, tmp_path):
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_the_ten_lines_of_the_page_draw_its_picture(result_file, tmp_path):
+    text = (ROOT / "analysis" / "README.md").read_text(encoding="utf-8")
     (code,) = [block for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "savefig" in block]
     assert len([line for line in code.splitlines() if line.strip()]) == 10
     (tmp_path / "results").mkdir()
@@ -545,6 +545,6 @@ def test_the_ten_lines_of_the_readme_draw_its_picture(result_file, tmp_path):
     subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, check=True)
     drawn = (tmp_path / "error_against_time.svg").read_text(encoding="utf-8")
     (picture,) = re.findall(r"!\[[^]]*\]\((\S*error_against_time.svg)\)", text)
-    for svg in (drawn, (ROOT / picture).read_text(encoding="utf-8")):
+    for svg in (drawn, (ROOT / "analysis" / picture).read_text(encoding="utf-8")):
         for words in ("error = (FP + FN) / (TP + FP + FN)", *load(result_file).meta["algorithms"][:3]):
             assert f"<!-- {words} -->" in svg  # matplotlib names each text so

@@ -1,7 +1,7 @@
 """`pipeline export`: the VTP files hold the truth's own doubles and the counts of the run; errors, interruption.
 
 The files are read here by Python's XML parser. That VTK reads them as well was checked with Debian's python3-vtk9
-(README, "ParaView"), which is too heavy to be installed for a test.
+(analysis/README.md), which is too heavy to be installed for a test.
 """
 
 import base64

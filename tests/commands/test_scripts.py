@@ -10,8 +10,8 @@ import pytest
 from conftest import ROOT, SCENES
 from program import DONE, FAILED
 
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-# Commands of README in code blocks and between backticks that run Python.
+README = "".join(page.read_text(encoding="utf-8") for page in [ROOT / "README.md", *sorted(ROOT.glob("*/*.md"))])
+# Commands of README and the pages in code blocks and between backticks that run Python.
 COMMANDS = sorted(
     {
         re.split(r"  +", line)[0].strip()

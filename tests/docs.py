@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""The tables of the pages that the program itself knows: tests/docs.py prints those that differ, --write makes them anew.
+
+A table stands between `<!-- NAME -->` and `<!-- end -->`; NAME is what `pipeline list NAME` lists.
+"""
+
+import json
+import re
+import subprocess
+import sys
+
+from program import PIPELINE, ROOT
+
+PAGES = ["algorithms/README.md", "configs/README.md"]
+PLACE = re.compile(r"(<!-- (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
+
+
+def rows_of(what):
+    return json.loads(subprocess.run([PIPELINE, "list", what, "--json"], capture_output=True, text=True, check=True).stdout)
+
+
+def cell(text):
+    return str(text).replace("|", "\\|")
+
+
+def knob(one):
+    preset = one["preset"]
+    shown = str(preset).lower() if isinstance(preset, bool) else preset
+    return f"`{one['name']}` ({shown})"
+
+
+def table(what):
+    """The list as a Markdown table."""
+    if what == "algorithms":
+        lines = ["| name | key | what | promise | scope | operations | knobs (preset) |", "|---|---|---|---|---|---|---|"]
+        for row in rows_of(what):
+            cells = [f"`{row['name']}`", row["thesis_key"], row["what"], row["promise"], row["scope"],
+                     row["operations_unit"], ", ".join(map(knob, row["knobs"]))]
+            lines.append("| " + " | ".join(map(cell, cells)) + " |")
+    else:
+        lines = [f"| {what[:-1]} | what |", "|---|---|"]
+        lines += [f"| `{row['name']}` | {cell(row['what'])} |" for row in rows_of(what)]
+    return "\n".join(lines) + "\n"
+
+
+def fresh(page):
+    """The page as it should be."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    return PLACE.sub(lambda found: found[1] + table(found[2]) + found[4], text)
+
+
+def main(write):
+    differ = [page for page in PAGES if fresh(page) != (ROOT / page).read_text(encoding="utf-8")]
+    for page in differ:
+        print(page)
+        if write:
+            (ROOT / page).write_text(fresh(page), encoding="utf-8")
+    return 1 if differ and not write else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main("--write" in sys.argv))
