@@ -1,7 +1,6 @@
 #include "pipeline/trial.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -18,7 +17,6 @@ namespace {
 
 using geometry::Bodies;
 using geometry::Pose;
-using Clock = std::chrono::steady_clock;
 
 // Recorded rates, of a machine of 2020; a trial of what they stand for would take as long as the thing itself.
 constexpr std::uint64_t kLarge = 64 << 20;  // bytes; a method that takes more is not made for a trial
@@ -31,8 +29,6 @@ constexpr int kEdgeAnswers = 34;            // of a pass: bisections at both end
 
 /// Seconds of the processor's time, of this thread: others may be busy.
 double spent(double start = 0) { return processor_seconds() - start; }
-
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Seconds of one step of truth and of all methods.
 struct StepSeconds {
@@ -49,7 +45,6 @@ class Asked {
   Asked(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Plan& plan,
         double seconds)
       : bodies_(bodies), repeats_(repeats), seconds_(seconds) {
-    const auto start = Clock::now();
     const double began = spent();
     if (geometry::bvhs_bytes(bodies).greatest <= kLarge) {
       bvhs_ = geometry::build_bvhs(bodies);
@@ -65,7 +60,7 @@ class Asked {
         set_up += kSetUp * double(memory.greatest);
         continue;
       }
-      if (since(start) > seconds / 2) {
+      if (spent(began) > seconds / 2) {
         set_up *= double(choices.size()) / double(i);
         break;
       }
@@ -93,13 +88,13 @@ class Asked {
         decision_->remember();
         out.truth = spent(start);
       }
-    const auto start = Clock::now();
+    const double start = spent();
     std::size_t asked = 0, able = 0;
     for (std::size_t i = 0; i < methods_.size(); ++i) {
       const auto& method = methods_[scattered(i)];
       if (!method) continue;
       ++able;
-      if (asked > 0 && since(start) > seconds_ / 2) continue;
+      if (asked > 0 && spent(start) > seconds_ / 2) continue;
       ++asked;
       hits.clear();
       const double begin = spent();
@@ -182,11 +177,11 @@ std::vector<std::size_t> sampled_steps(std::size_t steps) {
 
 /// Truth and detection of poses that are known, as costs between samples.
 std::vector<StepSeconds> sampled(Asked& asked, const std::vector<std::vector<Pose>>& poses, double seconds) {
-  const auto start = Clock::now();
+  const double start = spent();
   std::vector<std::size_t> at;
   std::vector<StepSeconds> cost;
   for (const std::size_t s : sampled_steps(poses.size())) {
-    if (!cost.empty() && since(start) > seconds) break;
+    if (!cost.empty() && spent(start) > seconds) break;
     at.push_back(s);
     cost.push_back(asked.step(poses[s]));
   }

@@ -339,10 +339,14 @@ Scene make(const SceneConfig& config) {
 std::vector<Ahead> ahead(const SceneConfig& config) {
   const ReplayInputs& inputs = inputs_of(config);
   std::vector<Ahead> out;
-  for (const CsvTrack& track : inputs.csv.tracks) out.push_back({.what = "births", .first = double(track.first)});
-  for (std::size_t b = 0; !inputs.poses.empty() && b < inputs.bodies.size(); ++b) {
-    const auto birth = std::ranges::find_if(inputs.poses, [b](const auto& step) { return geometry::is_born(step[b]); });
-    out.push_back({.what = "births", .first = double(birth - inputs.poses.begin())});
+  for (std::size_t b = 0; b < inputs.bodies.size(); ++b) {
+    const auto born = [b](const auto& step) { return geometry::is_born(step[b]); };
+    double first = 0;  // also of a body with its pose in the configuration
+    if (inputs.poses.empty())
+      first = std::max(0.0, double(inputs.csv.tracks[b].first));
+    else
+      first = double(std::ranges::find_if(inputs.poses, born) - inputs.poses.begin());
+    out.push_back({.what = "births", .first = first});
   }
   return out;
 }

@@ -1,7 +1,6 @@
 #include "pipeline/stages/motion.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -134,21 +133,16 @@ MotionChunk integrate_chunk(const SceneConfig& config, const Scene& scene, const
 }  // namespace
 
 MotionTrial try_motion(const SceneConfig& config, const Scene& scene, std::vector<BodyState> states, double seconds) {
-  using Clock = std::chrono::steady_clock;
-  const auto since = [](Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-  };
   constexpr double kPart = 0.25;  // of a step; a whole one may take long
   MotionTrial out;
   try {
     const double start = processor_seconds();
     Integration integration(scene, config.physics, states, 0, 0);
     out.begin = processor_seconds() - start;
-    const auto begun = Clock::now();
     const double before = processor_seconds();
     double steps = 0;
     PhysicsSample row;
-    while (steps < 20 && since(begun) < seconds) {
+    while (steps < 20 && processor_seconds() - before < seconds) {
       steps += kPart;
       if (!integration.advance_to(steps / config.rate, row, states).empty()) break;
     }

@@ -24,7 +24,7 @@ void Forecast::done(std::uint64_t items, double seconds, bool fresh, double busy
   const double before = foreseen(done_);
   done_ = std::min(done_ + items, items_);
   if (!fresh) return;
-  busy_ = std::max(1.0, busy);
+  if (busy > 0) busy_ = std::max(1.0, busy);
   const double expected = foreseen(done_) - before, whole = foreseen(items_);
   const double fade = whole > 0 ? std::exp(-expected / (0.3 * whole)) : 1;
   expected_ = fade * expected_ + expected;

@@ -35,7 +35,8 @@ class Forecast {
   void begin(const std::string& stage, std::uint64_t items);
 
   /// So many items more are done, which took so many seconds; not `fresh`: they were taken over and took none.
-  void done(std::uint64_t items, double seconds, bool fresh, double busy = 1);
+  /// `busy` 0: not known yet, as it was.
+  void done(std::uint64_t items, double seconds, bool fresh, double busy = 0);
 
   /// The stage of that name as it is foreseen, or null.
   const Stage* find(const std::string& stage) const;

@@ -67,7 +67,7 @@ void Progress::add(std::uint64_t items, bool fresh) {
     done_ += items;
     if (fresh) fresh_ += items;
     const double spent = double(std::clock() - spent_) / CLOCKS_PER_SEC;
-    const double busy = spent > 0.1 ? std::chrono::duration<double>(now - start_).count() / spent : 1;
+    const double busy = spent > 0.1 ? std::chrono::duration<double>(now - start_).count() / spent : 0;
     forecast_->done(items, std::chrono::duration<double>(now - added_).count(), fresh, busy);
     added_ = now;
   }
