@@ -136,6 +136,7 @@ struct Sweep {
 struct Study {
   std::vector<Sweep> sweeps;
   std::int64_t every = 1;  // of all cases only each so manieth is run, from the first
+  BodyModel bodies = BodyModel::free;
   // Of each case:
   std::int64_t force_evaluations = 1000000;
   double processor_time = 60;  // s

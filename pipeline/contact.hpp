@@ -1,4 +1,5 @@
-// Contacts of spheres and boxes, and their force. C++17 with Simbody's small vectors: only simulate.cpp includes it.
+// Contacts of spheres and boxes, and their force. C++17 with Simbody's small vectors: only the target that integrates
+// sees it.
 //
 // The law is that of Simbody's CompliantContactSubsystem for Hertz circular contact (its header and the documentation
 // of ContactMaterial), so that the two can be compared: tests/pipeline_simulate_simbody_test.cpp does.

@@ -62,6 +62,7 @@ std::string effective(const Config& config) {
   out.line("title", config.title);
   out.line("study", std::string("integration"));
   out.line("every", study.every);
+  out.line("bodies", std::string(study.bodies == BodyModel::tree ? "tree" : "free"));
   out.table("[budget]");
   out.line("force_evaluations", study.force_evaluations);
   out.line("processor_time", study.processor_time);
@@ -128,7 +129,7 @@ void expand(const Sweep& sweep, const Add& add) {
 
 Config study_config(const Section& root, const std::string& text, const std::filesystem::path& path,
                     const std::string& title) {
-  root.only({"title", "study", "every", "budget", "sweep"});
+  root.only({"title", "study", "every", "bodies", "budget", "sweep"});
   root.choice("study", "", {"integration"});
   Config config;
   config.path = path;
@@ -136,6 +137,7 @@ Config study_config(const Section& root, const std::string& text, const std::fil
   config.title = title;
   Study& study = config.study.emplace();
   study.every = root.integer("every", study.every, 1);
+  study.bodies = root.choice("bodies", "free", {"free", "tree"}) == "tree" ? BodyModel::tree : BodyModel::free;
   const Section budget = root.section("budget");
   budget.only({"force_evaluations", "processor_time", "energy_bound"});
   study.force_evaluations = budget.integer("force_evaluations", study.force_evaluations, 1);
