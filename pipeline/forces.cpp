@@ -67,16 +67,19 @@ Forces::Forces(const std::vector<RigidBody>& bodies, const Physics& physics, con
       watch_(watch),
       kinematics_(bodies.size()),
       on_(bodies.size()) {
+  std::vector<Sphere> spheres;
+  std::vector<Box> boxes;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const auto& q = states[i].orientation;
     fixed_.push_back(bodies[i].fixed);
     kinematics_[i].position = vec3(states[i].position);
     kinematics_[i].orientation = Rotation(SimTK::Quaternion(q[0], q[1], q[2], q[3]));
     if (bodies[i].sphere)
-      spheres_.push_back({static_cast<int>(i), bodies[i].fixed, bodies[i].radius});
+      spheres.push_back({static_cast<int>(i), bodies[i].fixed, bodies[i].radius});
     else
-      boxes_.push_back({static_cast<int>(i), bodies[i].fixed, vec3(bodies[i].half_extents)});
+      boxes.push_back({static_cast<int>(i), bodies[i].fixed, vec3(bodies[i].half_extents)});
   }
+  neighbours_ = contact::Neighbours(std::move(spheres), std::move(boxes));
 }
 
 Vec3 Forces::arm(const Moving& body) const {
@@ -105,7 +108,8 @@ const std::vector<SpatialVec>& Forces::evaluate(Loads& loads) {
   };
   loads = Loads();
   std::fill(on_.begin(), on_.end(), SpatialVec(Vec3(0), Vec3(0)));
-  find_contacts();
+  if (gravity_ != Vec3(0)) fall(loads);
+  neighbours_.find(kinematics_, contacts_);
   for (const Contact& c : contacts_) {
     loads.depth = std::max(loads.depth, c.depth);
     const Kinematics& a = kinematics_[c.a];
@@ -123,10 +127,18 @@ const std::vector<SpatialVec>& Forces::evaluate(Loads& loads) {
     }
   }
   if (linear_damping_ != 0 || angular_damping_ != 0) damp(loads);
-  if (balance_.tracked)
-    for (const Moving& body : moving_) add_outer(kinematics_[body.body].position + arm(body), body.mass * gravity_);
   watch_.contact_time_ns += nanoseconds(Clock::now() - start);
   return on_;
+}
+
+void Forces::fall(Loads& loads) {
+  for (const Moving& body : moving_) {
+    const Vec3 lever = arm(body), weight = body.mass * gravity_;
+    on_[body.body] = SpatialVec(lever % weight, weight);
+    if (!balance_.tracked) continue;
+    loads.outer_force += weight;
+    loads.outer_moment += (kinematics_[body.body].position + lever - vec3(balance_.about)) % weight;
+  }
 }
 
 /// Of the centre of mass by -m c v, of the rotation by -I c w.
@@ -144,7 +156,7 @@ void Forces::damp(Loads& loads) {
 }
 
 double Forces::measure(PhysicsSample& sample) {
-  find_contacts();
+  neighbours_.find(kinematics_, contacts_);
   double elastic = 0, kinetic = 0, height = 0;
   for (const Contact& c : contacts_) {
     elastic += law_.elastic_energy(c);
@@ -177,22 +189,6 @@ std::array<double, 6> Forces::momentum() const {
     out[3 + i] = angular[i] / balance_.angular_momentum;
   }
   return out;
-}
-
-/// In a defined order, since sums of doubles depend on it: spheres by their numbers, then each box's spheres.
-void Forces::find_contacts() {
-  contacts_.clear();
-  Contact contact;
-  grid_.find(spheres_, kinematics_, 0, pairs_);
-  for (const auto& [i, j] : pairs_) {
-    const Sphere& a = spheres_[i];
-    const Sphere& b = spheres_[j];
-    if (touch(a, kinematics_[a.body], b, kinematics_[b.body], contact)) contacts_.push_back(contact);
-  }
-  for (const Box& box : boxes_)
-    for (const Sphere& sphere : spheres_)
-      if (!(box.fixed && sphere.fixed) && touch(box, kinematics_[box.body], sphere, kinematics_[sphere.body], contact))
-        contacts_.push_back(contact);
 }
 
 }  // namespace pipeline

@@ -1,4 +1,4 @@
-// The forces on the bodies of a Simulation but gravity: contacts (contact.hpp) and damping; and what a balance of
+// The forces on the bodies of a Simulation: gravity, contacts (contact.hpp) and damping; and what a balance of
 // energy and momentum needs of them. They know nothing of how the bodies are integrated. Includes Simbody: only the
 // target that integrates sees it (CMakeLists.txt says why).
 #pragma once
@@ -80,7 +80,7 @@ class Forces {
   /// only where Moving::needs_orientation says so.
   std::vector<contact::Kinematics>& kinematics() { return kinematics_; }
 
-  /// The moment about each body's origin, and the force, of contacts and damping, at the present kinematics. Counts
+  /// The moment about each body's origin, and the force, at the present kinematics. Counts
   /// itself; throws when the budgets are spent or a position is not finite.
   const std::vector<SimTK::SpatialVec>& evaluate(Loads& loads);
 
@@ -93,14 +93,12 @@ class Forces {
  private:
   SimTK::Vec3 arm(const Moving& body) const;   // from its origin to its centre of mass, in ground
   SimTK::Vec3 spin(const Moving& body) const;  // angular momentum about its centre of mass
-  void find_contacts();
+  void fall(Loads& loads);
   void damp(Loads& loads);
 
   Balance balance_;
   SimTK::Vec3 gravity_;
   std::vector<Moving> moving_;
-  std::vector<contact::Sphere> spheres_;
-  std::vector<contact::Box> boxes_;
   contact::Law law_;
   double linear_damping_, angular_damping_;
   Watch& watch_;
@@ -108,8 +106,7 @@ class Forces {
   // Scratch: nothing of it but the fixed bodies' kinematics outlives a call.
   std::vector<contact::Kinematics> kinematics_;
   std::vector<SimTK::SpatialVec> on_;
-  contact::Grid grid_;
-  std::vector<std::pair<int, int>> pairs_;
+  contact::Neighbours neighbours_;
   std::vector<contact::Contact> contacts_;
 };
 

@@ -65,7 +65,7 @@ class FreeGuts : public SimTK::System::Guts {
  public:
   FreeGuts(const std::vector<RigidBody>& bodies, const Physics& physics, const std::vector<BodyState>& states,
            Watch& watch)
-      : forces_(bodies, physics, states, watch), gravity_(vec3(physics.gravity)) {
+      : forces_(bodies, physics, states, watch) {
     for (const Moving& body : forces_.moving()) inverse_inertia_.push_back(inverse(body.inertia));
   }
 
@@ -148,7 +148,7 @@ class FreeGuts : public SimTK::System::Guts {
       const Moving& body = forces_.moving()[b];
       const Kinematics& k = forces_.kinematics()[body.body];
       Vec3 moment = on[body.body][0], turning;
-      const Vec3 force = on[body.body][1], acceleration = force / body.mass + gravity_;
+      const Vec3 force = on[body.body][1], acceleration = force / body.mass;
       if (!body.centred) moment -= (k.orientation * body.centre) % force;
       if (body.isotropic) {
         turning = moment / body.inertia.getDiag()[0];
@@ -233,8 +233,7 @@ class FreeGuts : public SimTK::System::Guts {
     }
   }
 
-  mutable Forces forces_;  // scratch; Simbody's interface is const
-  Vec3 gravity_;
+  mutable Forces forces_;                  // scratch; Simbody's interface is const
   std::vector<SymMat33> inverse_inertia_;  // of each moving body
   SimTK::SubsystemIndex subsystem_;
   mutable SimTK::CacheEntryIndex loads_;

@@ -4,6 +4,7 @@
 #include <Simbody.h>
 #include <limits.h>
 #include <link.h>
+#include <malloc.h>
 #include <stdlib.h>
 
 #include <algorithm>
@@ -125,6 +126,17 @@ void check(const std::vector<RigidBody>& bodies, const Physics& physics, const s
   require(any_moves, "no body moves");
 }
 
+/// An integrator makes and frees vectors of the length of the state all the time. From 128 KiB on (1,260 bodies) glibc
+/// would fetch them from the kernel page by page and give them back each time: a third of all the time.
+void keep_freed_memory() {
+  static const bool once = [] {
+    mallopt(M_MMAP_THRESHOLD, 32 << 20);
+    mallopt(M_TRIM_THRESHOLD, 128 << 20);
+    return true;
+  }();
+  static_cast<void>(once);
+}
+
 std::unique_ptr<Mechanics> mechanics_of(const std::vector<RigidBody>& bodies, const Physics& physics,
                                         const std::vector<BodyState>& states, Watch& watch) {
   const bool joined = std::any_of(bodies.begin(), bodies.end(), [](const RigidBody& b) { return !b.fixed && b.hung; });
@@ -150,6 +162,7 @@ struct Simulation::Implementation {
                  double time, double reference)
       : physics(physics_in), initial(states) {
     check(bodies, physics, states, time);
+    keep_freed_memory();
     const Vec3 gravity = vec3(physics.gravity);
     isolated = gravity == Vec3(0) && physics.linear_damping == 0 && physics.angular_damping == 0;
     for (const RigidBody& body : bodies) isolated = isolated && !body.fixed && !body.hung;

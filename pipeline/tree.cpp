@@ -97,8 +97,6 @@ class Tree : public Mechanics {
                                 .getMobilizedBodyIndex();
       }
     }
-    const Vec3 gravity = vec3(physics.gravity);
-    if (gravity != Vec3(0)) SimTK::Force::Gravity(subsystem_, matter_, gravity);
     force_ = new TreeForce(matter_, subsystem_, index_, forces_);
     SimTK::Force::Custom(subsystem_, force_);
     system_.realizeTopology();
@@ -181,7 +179,7 @@ class Tree : public Mechanics {
   mutable Forces forces_;
   std::vector<MobilizedBodyIndex> index_;  // of each body; a fixed one is ground
   std::vector<bool> hung_;                 // of each moving body
-  TreeForce* force_ = nullptr;       // the subsystem owns it
+  TreeForce* force_ = nullptr;             // the subsystem owns it
 };
 
 }  // namespace
