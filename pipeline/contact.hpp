@@ -196,7 +196,8 @@ class Neighbours {
   }
 
  private:
-  static constexpr double kMargin = 0.4;  // of the greatest radius: the fastest of 0.1 to 1 in heaps
+  // Of the greatest radius. Falling spheres would be 2 % faster with 1, those at rest slower; below 0.2 both are slower.
+  static constexpr double kMargin = 0.4;
 
   bool moved() const {
     if (searched_.size() != centres_.size()) return true;
