@@ -26,6 +26,7 @@ Vertices columns(const geometry::Mesh& mesh) {
   assert(!mesh.vertices.empty() && "a mesh has vertices");
   Vertices out;
   const std::size_t size = mesh.vertices.size(), padded = (size + kLanes - 1) / kLanes * kLanes;
+  for (auto* column : {&out.x, &out.y, &out.z}) column->reserve(padded);
   for (std::size_t i = 0; i < padded; ++i) {
     const Vec3& v = mesh.vertices[std::min(i, size - 1)];
     out.x.push_back(v.x());
@@ -55,6 +56,13 @@ struct Aabb {
     for (const geometry::Mesh& shape : all.meshes) vertices.push_back(columns(shape));
     for (auto* side : {&low, &high})
       for (std::vector<double>& column : *side) column.resize(all.size());
+  }
+
+  static Memory memory(const Bodies& all, const Knobs&) {
+    Memory out = memory_by_body(all, sizeof(std::uint32_t) + 6 * sizeof(double));
+    for (const geometry::Mesh& shape : all.meshes) out.held += sizeof(Vec3) * shape.vertices.size();
+    out.greatest = out.held;
+    return out;
   }
 
   void prepare(std::span<const Pose> poses, double enlarge) {
@@ -115,7 +123,8 @@ Algorithm aabb() {
           .what = "axis-aligned world boxes of the vertices touch",
           .operations_unit = "axis intervals",
           .promise = Promise::conservative,
-          .make = make_pairwise<Aabb>};
+          .make = make_pairwise<Aabb>,
+          .memory = Aabb::memory};
 }
 
 }  // namespace algorithms

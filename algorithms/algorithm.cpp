@@ -49,6 +49,14 @@ std::string_view text(Promise promise) {
 
 std::string_view text(Scope scope) { return scope == Scope::scene ? "scene" : "pair"; }
 
+Memory memory(const Algorithm& row, const Bodies& bodies, const Knobs& knobs) {
+  if (row.memory) return row.memory(bodies, knobs);
+  std::uint64_t bytes = 0;
+  for (const geometry::Mesh& mesh : bodies.meshes)
+    bytes += sizeof(geometry::Vec3) * mesh.vertices.size() + sizeof(geometry::Facet) * mesh.triangles.size();
+  return {bytes, bytes};
+}
+
 Knobs presets(const Algorithm& algorithm) {
   Knobs knobs;
   for (const Knob& knob : algorithm.knobs) knobs.emplace(knob.name, knob.preset);

@@ -37,6 +37,8 @@ struct BoundingSphere {
     balls.x = balls.y = balls.z = balls.r = radius;
   }
 
+  static Memory memory(const Bodies& bodies, const Knobs&) { return memory_by_body(bodies, 5 * sizeof(double)); }
+
   void prepare(std::span<const Pose> poses, double enlarge) {
     for (std::size_t body = 0; body < poses.size(); ++body) {
       const geometry::Vec3& t = poses[body].t;
@@ -74,7 +76,8 @@ Algorithm bounding_sphere() {
           .what = "balls of the half diagonal about the bodies' positions overlap",
           .operations_unit = "distances",
           .promise = Promise::conservative,
-          .make = make_pairwise<BoundingSphere>};
+          .make = make_pairwise<BoundingSphere>,
+          .memory = BoundingSphere::memory};
 }
 
 }  // namespace algorithms

@@ -13,6 +13,8 @@ struct CannonNaive {
     spheres.resize(bodies.size());
   }
 
+  static Memory memory(const Bodies& bodies, const Knobs&) { return memory_by_body(bodies, 5 * sizeof(double)); }
+
   void prepare(std::span<const Pose> poses, double enlarge) {
     for (std::size_t body = 0; body < poses.size(); ++body)
       spheres.set(body, poses[body].t, geometry::enlarged(radius[body], poses[body].t, enlarge));
@@ -41,7 +43,8 @@ Algorithm cannon_naive() {
           .what = "Cannon.js: all pairs, bounding spheres overlap",
           .operations_unit = "distances",
           .promise = Promise::conservative,
-          .make = make_pairwise<CannonNaive>};
+          .make = make_pairwise<CannonNaive>,
+          .memory = CannonNaive::memory};
 }
 
 }  // namespace algorithms

@@ -22,6 +22,10 @@ class CannonSap final : public Method {
     first_run_.resize(bodies.size() + 1);
   }
 
+  static Memory memory(const Bodies& bodies, const Knobs&) {
+    return memory_by_body(bodies, 1 + 7 * sizeof(double) + sizeof(Entry) + sizeof(std::size_t));
+  }
+
   void prepare(std::span<const Pose> poses, double enlarge) override {
     order_.clear();
     for (std::uint32_t body = 0; body < poses.size(); ++body) {
@@ -124,7 +128,8 @@ Algorithm cannon_sap() {
           .scope = Scope::scene,
           .make = [](const Bodies& bodies, const Knobs& knobs) -> std::unique_ptr<Method> {
             return std::make_unique<CannonSap>(bodies, knobs);
-          }};
+          },
+          .memory = CannonSap::memory};
 }
 
 }  // namespace algorithms

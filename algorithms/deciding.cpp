@@ -1,5 +1,6 @@
 #include "algorithms/deciding.hpp"
 
+#include <algorithm>
 #include <optional>
 
 #include "geometry/contain.hpp"
@@ -12,12 +13,11 @@ constexpr char kContainment[] = "containment";
 
 std::vector<geometry::Solid> solids_of(const Bodies& bodies) {
   std::vector<geometry::Solid> solids;
-  for (const geometry::Mesh& mesh : bodies.meshes) {
-    solids.push_back(geometry::solid_of(mesh));
-    if (!solids.back().closed)
-      throw std::invalid_argument("mesh '" + mesh.name +
-                                  "' is open, so nothing can be inside it; close it, or set containment = false");
-  }
+  for (const geometry::Mesh& mesh : bodies.meshes) solids.push_back(geometry::solid_of(mesh, bodies.closed_within));
+  if (std::ranges::none_of(solids, &geometry::Solid::closed))
+    throw std::invalid_argument("no mesh is closed, so nothing can be inside another: mesh '" + bodies.meshes[0].name +
+                                "' is open, " + geometry::open_text(solids[0]) +
+                                "; close it, or set containment = false");
   return solids;
 }
 
@@ -37,7 +37,7 @@ class Deciding final : public Method {
   void answer(std::span<const PairRun> runs, std::vector<Pair>& hits) override {
     contained_.clear();
     decision_->hits(runs, hits, containment_ ? &contained_ : nullptr);
-    hits.insert(hits.end(), contained_.begin(), contained_.end());
+    for (const geometry::Contained& one : contained_) hits.push_back(one.pair);
   }
 
   std::uint64_t count(std::span<const PairRun> runs, std::vector<Pair>& hits) override {
@@ -58,7 +58,7 @@ class Deciding final : public Method {
   std::vector<geometry::Solid> solids_;         // likewise, or none
   std::optional<geometry::Decision> decision_;  // refers to both
   bool containment_, remembers_;
-  std::vector<Pair> contained_;
+  std::vector<geometry::Contained> contained_;
 };
 
 }  // namespace
@@ -68,6 +68,12 @@ Knob containment_knob() {
           .preset = false,
           .unit = "1",
           .what = "bodies wholly inside others are hits too; follows truth.containment unless given"};
+}
+
+Memory deciding_memory(const Bodies& bodies, const Knobs&) {
+  const geometry::BvhsBytes hierarchies = geometry::bvhs_bytes(bodies);
+  const std::uint64_t held = hierarchies.held + geometry::broad_phase_bytes(bodies);
+  return {held, std::max(held, hierarchies.greatest)};
 }
 
 std::unique_ptr<Method> make_deciding(const Bodies& bodies, const Knobs& knobs, bool remembers) {

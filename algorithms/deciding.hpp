@@ -13,7 +13,10 @@ Knob containment_knob();
 inline constexpr std::string_view kDecidingUnit = "pairs of nodes and of triangles, and supports";
 
 /// A Method that answers exactly. Where it does not remember, every step starts from an empty memory. `knobs` has
-/// containment; throws std::invalid_argument when it is wanted and a mesh is open.
+/// containment; throws std::invalid_argument when it is wanted and every mesh is open.
 std::unique_ptr<Method> make_deciding(const Bodies& bodies, const Knobs& knobs, bool remembers);
+
+/// What that takes, told from sizes; of a mesh that is open it does not know.
+Memory deciding_memory(const Bodies& bodies, const Knobs& knobs);
 
 }  // namespace algorithms

@@ -11,7 +11,8 @@ Algorithm exact() {
           .promise = Promise::exact,
           .scope = Scope::scene,
           .knobs = {containment_knob()},
-          .make = [](const Bodies& bodies, const Knobs& knobs) { return make_deciding(bodies, knobs, true); }};
+          .make = [](const Bodies& bodies, const Knobs& knobs) { return make_deciding(bodies, knobs, true); },
+          .memory = deciding_memory};
 }
 
 }  // namespace algorithms

@@ -5,7 +5,7 @@
 //         direction that parted the bodies; else a descent of two hierarchies. One set of hierarchies per distinct
 //         mesh.
 // Misses  Nothing: closed triangles of world vertices as README's "Truth" rounds them. A body wholly inside another has
-//         no common surface point with it: a hit only with `containment`, and then all meshes must be closed.
+//         no common surface point with it: a hit only with `containment`, and where the other's mesh is closed.
 // Extra   Nothing.
 //
 // Its promise is judged on the truth that scores, and a knob `containment` that is not given follows it: true beside

@@ -11,7 +11,8 @@ Algorithm exact_cold() {
           .promise = Promise::exact,
           .scope = Scope::scene,
           .knobs = {containment_knob()},
-          .make = [](const Bodies& bodies, const Knobs& knobs) { return make_deciding(bodies, knobs, false); }};
+          .make = [](const Bodies& bodies, const Knobs& knobs) { return make_deciding(bodies, knobs, false); },
+          .memory = deciding_memory};
 }
 
 }  // namespace algorithms

@@ -186,6 +186,32 @@ struct FacetDistance {
     return local;
   }
 
+  static Memory memory(const Bodies& bodies, const Knobs& knobs) {
+    const auto density = value_of<double>(knobs, "facets_per_area");
+    const bool densify = value_of<bool>(knobs, "densify"),
+               indexed = value_of<std::string>(knobs, "search") == "indexed";
+    std::vector<std::size_t> count;
+    std::uint64_t before = 0, trees = 0, made = 0, most = 0;
+    for (const geometry::Mesh& mesh : bodies.meshes) {
+      const std::uint64_t parts = densify ? geometry::parts_of_density(mesh, density) : 1;
+      const std::uint64_t facets = mesh.triangles.size() * parts * parts;
+      count.push_back(
+          geometry::point_count(facets, geometry::stride_of_density(facets, density, geometry::box_surface(mesh))));
+      const std::uint64_t points = sizeof(Vec3) * count.back();
+      const std::uint64_t tree = sizeof(Indexed) + (indexed ? PointTree::bytes(count.back()) : 0);
+      // First the dense mesh and its points; then these twice, the tree and the order it is built in.
+      made = std::max({made, before + geometry::dense_bytes(mesh, parts) + points,
+                       before + 2 * points + tree + sizeof(std::uint32_t) * count.back()});
+      before += points + tree;
+      trees += tree;
+    }
+    for (const std::uint32_t mesh : bodies.mesh) most = std::max(most, std::uint64_t{count[mesh]});
+    const std::uint64_t held = geometry::PlacedPoints::bytes(bodies, count) + trees +
+                               most * (sizeof(Vec3) + sizeof(std::int64_t) + sizeof(Candidate)) +
+                               bodies.size() * (sizeof(std::uint32_t) + sizeof(Pose) + sizeof(Frame) + 1);
+    return {held, std::max(held, made)};
+  }
+
   void prepare(std::span<const Pose> now, double) {
     placed.prepare(now);
     std::copy(now.begin(), now.end(), poses.begin());
@@ -333,7 +359,8 @@ Algorithm facet_distance() {
                      .unit = "1",
                      .what = "leave out points that surely are not near, or compare all; the answers are the same",
                      .choices = {"indexed", "exhaustive"}}},
-          .make = make_filtered<FacetDistance>};
+          .make = make_filtered<FacetDistance>,
+          .memory = filtered_memory<FacetDistance>};
 }
 
 }  // namespace algorithms

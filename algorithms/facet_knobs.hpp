@@ -1,5 +1,6 @@
 // The knobs that the methods on sampled facets share (thesis 4.1), and the points that they choose.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "algorithms/algorithm.hpp"
@@ -48,6 +49,34 @@ inline std::vector<geometry::Points> sampled_points(const Bodies& bodies, const 
   for (const geometry::Mesh& mesh : bodies.meshes)
     local.push_back(geometry::sampled_points(mesh, stride, value_of<bool>(knobs, "densify")));
   return local;
+}
+
+/// How many points sampled_points gives of each mesh, and what they take at most while they are made, as Memory.
+struct SampledSize {
+  std::vector<std::size_t> points;  // #meshes
+  std::uint64_t made = 0;           // bytes
+};
+inline SampledSize sampled_size(const Bodies& bodies, const Knobs& knobs) {
+  const auto stride = static_cast<std::size_t>(value_of<std::int64_t>(knobs, "stride"));
+  SampledSize out;
+  std::uint64_t before = 0;
+  for (const geometry::Mesh& mesh : bodies.meshes) {
+    const std::uint64_t parts =
+        value_of<bool>(knobs, "densify") ? geometry::parts_of_density(mesh, geometry::kFacetsPerArea) : 1;
+    out.points.push_back(geometry::point_count(mesh.triangles.size() * parts * parts, stride));
+    before += sizeof(geometry::Vec3) * out.points.back();
+    out.made = std::max(out.made, before + geometry::dense_bytes(mesh, parts));
+  }
+  return out;
+}
+
+/// Memory of a method that keeps those points of every body, and more of each body by its number of points.
+template <class MoreBytes>
+Memory sampled_memory(const Bodies& bodies, const Knobs& knobs, MoreBytes more) {
+  const SampledSize size = sampled_size(bodies, knobs);
+  std::uint64_t held = geometry::PlacedPoints::bytes(bodies, size.points);
+  for (const std::uint32_t mesh : bodies.mesh) held += more(size.points[mesh]);
+  return {held, std::max(held, size.made)};
 }
 
 /// The same, inflated.

@@ -53,6 +53,10 @@ struct Interval {
   double low, high;
 };
 
+struct Near {
+  std::uint32_t triangle, first;  // its number and its first point
+};
+
 bool apart(const Interval& a, const Interval& b) { return a.high < b.low || b.high < a.low; }
 
 /// Some directions at once, as columns. The width is that of two AVX or four SSE registers.
@@ -86,6 +90,23 @@ struct FacetRotations {
         block.z[k] = d.z();
       }
     }
+  }
+
+  static Memory memory(const Bodies& bodies, const Knobs& knobs) {
+    std::uint64_t scratch = 0;
+    Memory out = sampled_memory(bodies, knobs, [&](std::size_t points) {
+      return sizeof(geometry::Ball) + sizeof(first) +
+             sizeof(std::uint32_t) * geometry::triangle_count(points, triangulation(knobs));
+    });
+    for (const std::size_t points : sampled_size(bodies, knobs).points)
+      scratch = std::max(scratch, 2 * (sizeof(Interval) + sizeof(Near)) *
+                                      std::uint64_t{geometry::triangle_count(points, triangulation(knobs))});
+    // n (n - 1) + 1 distinct lines of the grid, and its map's nodes while it is made.
+    const auto n = static_cast<std::uint64_t>(turns(value_of<double>(knobs, "angle_step")));
+    const std::uint64_t lines = n * (n - 1) + 1, scattered = lines * (sizeof(Vec3) + sizeof(Directions) / kBlock);
+    out.held += scattered + scratch;
+    out.greatest = std::max(out.greatest + scattered + scratch, lines * (72 + 2 * sizeof(Vec3)));
+    return out;
   }
 
   void prepare(std::span<const Pose> poses, double) { placed.prepare(poses); }
@@ -144,10 +165,6 @@ struct FacetRotations {
     }
     return whole;
   }
-
-  struct Near {
-    std::uint32_t triangle, first;  // its number and its first point
-  };
 
   /// The triangles whose intervals are not apart from `other`; returns what those cover together.
   static Interval select(const std::vector<Interval>& of, const std::vector<std::uint32_t>& first,
@@ -261,7 +278,8 @@ Algorithm facet_rotations() {
                            return std::fabs(count - std::round(count)) < 1e-9;
                          },
                      .rule = "divide 180"}},
-          .make = make_filtered<FacetRotations>};
+          .make = make_filtered<FacetRotations>,
+          .memory = filtered_memory<FacetRotations>};
 }
 
 }  // namespace algorithms

@@ -38,6 +38,13 @@ struct FacetTriangles {
     near_b.reserve(most);
   }
 
+  static Memory memory(const Bodies& bodies, const Knobs& knobs) {
+    constexpr std::size_t kTriangle = sizeof(std::uint32_t) + sizeof(EdgedTriangle) + sizeof(double);
+    return sampled_memory(bodies, knobs, [&](std::size_t points) {
+      return sizeof(Ball) + 3 * sizeof(first) + kTriangle * geometry::triangle_count(points, triangulation(knobs));
+    });
+  }
+
   void prepare(std::span<const Pose> poses, double) { placed.prepare(poses); }
 
   template <class Count>
@@ -99,7 +106,8 @@ Algorithm facet_triangles() {
           .operations_unit = with_prefilter("planes and triangle pairs"),
           .promise = Promise::none,
           .knobs = {stride_knob(), inflate_knob(), triangles_knob(), prefilter_knob(), densify_knob()},
-          .make = make_filtered<FacetTriangles>};
+          .make = make_filtered<FacetTriangles>,
+          .memory = filtered_memory<FacetTriangles>};
 }
 
 }  // namespace algorithms

@@ -65,6 +65,10 @@ struct FacetVectors {
     extent.resize(bodies.size());
   }
 
+  static Memory memory(const Bodies& bodies, const Knobs& knobs) {
+    return sampled_memory(bodies, knobs, [](std::size_t) { return sizeof(Extent); });
+  }
+
   void prepare(std::span<const Pose> poses, double) { placed.prepare(poses); }
 
   template <class Count>
@@ -183,7 +187,8 @@ Algorithm facet_vectors() {
                      .most = 1e9},
                     prefilter_knob(),
                     densify_knob()},
-          .make = make_filtered<FacetVectors>};
+          .make = make_filtered<FacetVectors>,
+          .memory = filtered_memory<FacetVectors>};
 }
 
 }  // namespace algorithms

@@ -6,6 +6,7 @@
 #include <fcl/narrowphase/detail/traversal/collision/mesh_collision_traversal_node.h>
 #include <fcl/narrowphase/detail/traversal/collision_node.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "geometry/broad_phase.hpp"
@@ -15,6 +16,7 @@ namespace {
 
 using Model = fcl::BVHModel<fcl::OBBRSS<double>>;
 using Transform = fcl::Transform3<double>;
+using geometry::Vec3;
 
 std::unique_ptr<Model> model_of(const geometry::Mesh& mesh) {
   auto model = std::make_unique<Model>();
@@ -31,6 +33,20 @@ class FclBvh final : public Method {
  public:
   FclBvh(const Bodies& bodies, const Knobs&) : bodies_(bodies), transforms_(bodies.size()), broad_phase_(bodies) {
     for (const geometry::Mesh& mesh : bodies.meshes) models_.push_back(model_of(mesh));
+  }
+
+  static Memory memory(const Bodies& bodies, const Knobs&) {
+    std::uint64_t held = bodies.size() * sizeof(Transform) + geometry::broad_phase_bytes(bodies), greatest = held;
+    for (const geometry::Mesh& mesh : bodies.meshes) {
+      // Two nodes a facet but one, with an oriented box and a swept sphere; facets as three size_t and their order.
+      const std::uint64_t facets = mesh.triangles.size(), vertices = sizeof(Vec3) * mesh.vertices.size();
+      const std::uint64_t kept =
+          facets * (2 * sizeof(fcl::BVNode<fcl::OBBRSS<double>>) + sizeof(fcl::Triangle) + sizeof(unsigned int)) +
+          vertices;
+      greatest = std::max(greatest, held + kept + 2 * facets * sizeof(fcl::Triangle) + vertices);
+      held += kept;
+    }
+    return {held, greatest};
   }
 
   void prepare(std::span<const Pose> poses, double /*enlarge*/) override {
@@ -91,7 +107,8 @@ Algorithm fcl_bvh() {
           .scope = Scope::scene,
           .make = [](const Bodies& bodies, const Knobs& knobs) -> std::unique_ptr<Method> {
             return std::make_unique<FclBvh>(bodies, knobs);
-          }};
+          },
+          .memory = FclBvh::memory};
 }
 
 }  // namespace algorithms

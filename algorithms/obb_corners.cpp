@@ -65,6 +65,10 @@ struct ObbCorners {
     boxes.resize(bodies.size());
   }
 
+  static Memory memory(const Bodies& bodies, const Knobs&) {
+    return memory_by_body(bodies, sizeof(Vec3) + 4 * sizeof(double) + sizeof(TurnedBox));
+  }
+
   void prepare(std::span<const Pose> poses, double) {
     for (std::size_t body = 0; body < poses.size(); ++body) {
       if (!geometry::is_born(poses[body])) continue;  // takes part in no pair: must not cost time
@@ -119,7 +123,8 @@ Algorithm obb_corners() {
           .what = "a corner of one turned box is inside the other",
           .operations_unit = "distances, and points in box",
           .promise = Promise::none,
-          .make = make_pairwise<ObbCorners>};
+          .make = make_pairwise<ObbCorners>,
+          .memory = ObbCorners::memory};
 }
 
 }  // namespace algorithms

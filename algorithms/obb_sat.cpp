@@ -85,6 +85,10 @@ struct ObbSat {
       column->resize(bodies.size());
   }
 
+  static Memory memory(const Bodies& bodies, const Knobs&) {
+    return memory_by_body(bodies, 2 * sizeof(Vec3) + sizeof(OrientedBox) + 10 * sizeof(double));
+  }
+
   void prepare(std::span<const Pose> poses, double enlarge) {
     for (std::size_t body = 0; body < poses.size(); ++body) {
       if (!geometry::is_born(poses[body])) continue;  // takes part in no pair: must not cost time
@@ -152,7 +156,8 @@ Algorithm obb_sat() {
           .what = "oriented boxes of the vertices touch: spheres, world boxes, then 15 separating axes",
           .operations_unit = "axis projections",
           .promise = Promise::conservative,
-          .make = make_pairwise<ObbSat>};
+          .make = make_pairwise<ObbSat>,
+          .memory = ObbSat::memory};
 }
 
 }  // namespace algorithms

@@ -73,6 +73,10 @@ struct ObbTriangles {
     placed.resize(bodies.size());
   }
 
+  static Memory memory(const Bodies& bodies, const Knobs&) {
+    return memory_by_body(bodies, sizeof(Vec3) + sizeof(Pose) + 1 + sizeof(BoxSurface));
+  }
+
   void prepare(std::span<const Pose> of_step, double) {
     poses.assign(of_step.begin(), of_step.end());
     std::fill(placed.begin(), placed.end(), std::uint8_t{0});
@@ -151,7 +155,8 @@ Algorithm obb_triangles() {
           .operations_unit = with_prefilter("planes and triangle pairs"),
           .promise = Promise::none,
           .knobs = {prefilter_knob()},
-          .make = make_filtered<ObbTriangles>};
+          .make = make_filtered<ObbTriangles>,
+          .memory = filtered_memory<ObbTriangles>};
 }
 
 }  // namespace algorithms

@@ -4,6 +4,7 @@
 //   Test(const Bodies&, const Knobs&)                          once per run
 //   void prepare(std::span<const Pose>, double enlarge)        once per step
 //   template <class Count> bool hit(uint32 a, uint32 b, Count& count)
+//   static Memory memory(const Bodies&, const Knobs&)          what it takes; for Algorithm::memory
 // where `count += n` notes n elementary tests; in the timed pass Count does nothing and vanishes. What is made counts:
 // a cheap rejection is one test, tests that a loop makes together (points, directions) are all of them. Axes of a pair
 // count up to the first that parts it, also where a row looks at all of them by one mask. A test may offer
@@ -99,6 +100,11 @@ class Pairwise final : public Method {
 template <class Test>
 std::unique_ptr<Method> make_pairwise(const Bodies& bodies, const Knobs& knobs) {
   return std::make_unique<Pairwise<Test>>(bodies, knobs);
+}
+
+/// Of a test that only keeps so many bytes of each body.
+inline Memory memory_by_body(const Bodies& bodies, std::size_t bytes) {
+  return {bytes * bodies.size(), bytes * bodies.size()};
 }
 
 }  // namespace algorithms

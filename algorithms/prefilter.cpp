@@ -20,4 +20,9 @@ std::unique_ptr<Method> make_prefilter(const Bodies& bodies, const Knobs& knobs)
   return algorithm->make(bodies, presets(*algorithm));
 }
 
+Memory prefilter_memory(const Bodies& bodies, const Knobs& knobs) {
+  const Algorithm* algorithm = find(value_of<std::string>(knobs, "prefilter"));
+  return algorithm ? memory(*algorithm, bodies, presets(*algorithm)) : Memory{};
+}
+
 }  // namespace algorithms

@@ -62,6 +62,16 @@ class Filtered final : public Method {
   std::vector<Pair> candidates_;  // of the step; keeps its capacity
 };
 
+/// What the prefilter that `knobs` name takes; nothing for "none".
+Memory prefilter_memory(const Bodies& bodies, const Knobs& knobs);
+
+/// Algorithm::memory for a test behind a prefilter.
+template <class Test>
+Memory filtered_memory(const Bodies& bodies, const Knobs& knobs) {
+  const Memory first = prefilter_memory(bodies, knobs), test = Test::memory(bodies, knobs);
+  return {first.held + test.held, std::max(first.greatest, first.held + test.greatest)};
+}
+
 /// Algorithm::make for a test behind a prefilter. The row's knobs hold prefilter_knob().
 template <class Test>
 std::unique_ptr<Method> make_filtered(const Bodies& bodies, const Knobs& knobs) {

@@ -38,6 +38,10 @@ struct RotatedAabb {
     x = y = z = ex = ey = ez = std::vector<double>(bodies.size());
   }
 
+  static Memory memory(const Bodies& bodies, const Knobs&) {
+    return memory_by_body(bodies, sizeof(geometry::Vec3) + 6 * sizeof(double));
+  }
+
   void prepare(std::span<const Pose> poses, double) {
     for (std::size_t body = 0; body < poses.size(); ++body) {
       if (!geometry::is_born(poses[body])) continue;  // takes part in no pair: must not cost time
@@ -85,7 +89,8 @@ Algorithm rotated_aabb() {
           .what = "axis-aligned boxes touch, their extents taken from one corner turned by the Euler angles",
           .operations_unit = "axis intervals",
           .promise = Promise::none,
-          .make = make_pairwise<RotatedAabb>};
+          .make = make_pairwise<RotatedAabb>,
+          .memory = RotatedAabb::memory};
 }
 
 }  // namespace algorithms

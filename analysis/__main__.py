@@ -1,4 +1,4 @@
-"""python3 -m analysis: what the results say, printed or as a page.
+"""scripts/analysis: what the results say, printed or as a page.
 
 Exit codes as the pipeline's: 0 done, 1 the program failed, 2 the command line's grammar, 3 a value that does not fit
 the file, 4 a file that is missing, not a result or cannot be written.
@@ -6,64 +6,80 @@ the file, 4 a file that is missing, not a result or cannot be written.
 
 import argparse
 import sys
+import warnings
 
 from analysis import scenes, study_tables, viewer
+from analysis.intact import Unvouched
 from analysis.load import load
-from analysis.output import refuse, write
+from analysis.output import open_standard_descriptors, refuse, say, visible, write
 from analysis.statements import shown, verdicts
 
 KINDS = ("box", "falling", "playground")
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python3 -m analysis", description=__doc__.splitlines()[0])
+    open_standard_descriptors()
+    parser = argparse.ArgumentParser(prog="scripts/analysis", description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(dest="command", required=True)
     command = commands.add_parser("statements", help="judge the thesis's statements on results")
     command.add_argument("file", nargs="+", help="results of the box, falling and playground scenes, one of each")
-    command.set_defaults(act=lambda chosen: print(table(verdicts(opened(chosen.file)))))
+    command.set_defaults(act=lambda chosen: say(table(verdicts(opened(chosen.file, chosen.unsealed)))))
     command = commands.add_parser("report", help="one HTML page of figures and tables, which needs no network")
     command.add_argument("file", nargs="+", help="results; those of one motion and truth are drawn together")
     command.add_argument("-o", "--output", default="report.html", help="the page (default: report.html)")
-    command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output))
+    command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output, chosen.unsealed))
     command = commands.add_parser("study", help="orders, stability and recommendation of a study; drift of a long run")
     command.add_argument("file", help="result of a study of integrators, or of an integrated scene")
-    command.set_defaults(act=lambda chosen: print(studied(chosen.file)))
+    command.set_defaults(act=lambda chosen: say(studied(chosen.file, chosen.unsealed)))
     viewer.add_command(commands)
+    for command in commands.choices.values():
+        command.add_argument("--unsealed", action="store_true", help="read results although they were changed since they "
+                             "were written, as by own datasets; digests still hold")  # fmt: skip
     chosen = parser.parse_args(arguments)
     try:
-        chosen.act(chosen)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", Unvouched)
+            warnings.showwarning = lambda message, *where: complain(f"warning: {message}")
+            chosen.act(chosen)
     except viewer.Unfit as error:
-        print(" ".join(str(error).split()), file=sys.stderr)
+        complain(error)
         return error.code
     except (OSError, KeyError, ValueError, RuntimeError) as error:
-        text = error.args[0] if isinstance(error, KeyError) and error.args else error
-        print(" ".join(str(text).split()), file=sys.stderr)
+        complain(error.args[0] if isinstance(error, KeyError) and error.args else error)
         return 4
     return 0
 
 
-def write_report(paths, output):
+def say(text):
+    print(visible(text))
+
+
+def complain(text):
+    print(visible(" ".join(str(text).split())), file=sys.stderr)
+
+
+def write_report(paths, output, unsealed=False):
     """The page of the results at `paths`, whole or not at all; prints where it is. Only a page is overwritten."""
     refuse(output)  # before the work
-    runs = [read(path) for path in paths]
+    runs = [read(path, unsealed) for path in paths]
     from analysis.report import report  # matplotlib is slow to load, and nothing above needs it
 
     write(output, report(runs))
-    print(output)
+    say(output)
 
 
-def studied(path):
+def studied(path, unsealed=False):
     """What the study or the long motion at `path` says. Raises as read()."""
-    run = read(path)
+    run = read(path, unsealed)
     try:
         return study_tables.text(run)
     except KeyError as error:  # a column
         raise OSError(f"{path}: is damaged ({error})") from error
 
 
-def read(path):
+def read(path, unsealed=False):
     """The result at `path`, its tables read, so that damage is found here; raises as load() does."""
-    run = load(path)
+    run = load(path, unsealed)
     try:
         run.summary, run.per_step, run.physics, run.truth_hits, run.extremes, run.study
     except (OSError, KeyError, ValueError, RuntimeError) as error:
@@ -72,12 +88,12 @@ def read(path):
     return run
 
 
-def opened(paths):
+def opened(paths, unsealed=False):
     """kind of scene -> what the statements ask of it. Raises OSError or ValueError, which name the file."""
     found = {}
     for path in paths:
         try:
-            run = load(path)
+            run = load(path, unsealed)
             kind = scenes.kind(run)
             if kind not in KINDS:
                 raise ValueError(f"is of a {kind or 'study, not a'} scene; the statements are about {', '.join(KINDS)}")

@@ -5,12 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter, LogLocator
+from matplotlib.transforms import ScaledTranslation
 
 from analysis import pareto
+from analysis.scenes import twins
 from analysis.studies import simulated
 
 MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
+LINE = 19  # letters of a line above a small panel
+TIE = 20  # points from the end of a line to its name
 BINS = 150  # points of a line over steps: more are closer than a line is wide
 
 
@@ -114,16 +119,51 @@ def key(run, label):
 
 
 def short(run, label):
-    return key(run, label) or shortened(label)
+    """The letter or the label, for sentences: they have room for all of it."""
+    return key(run, label) or label
 
 
-def full(run, label):
-    """Letter and label, short enough for the head of a small panel."""
-    return f"{key(run, label)} {shortened(label)}".strip()
+def full(run, labels):
+    """label -> letter and label, short enough for the end of a line."""
+    return {label: f"{key(run, label)} {text}".strip() for label, text in shortened(labels, 32).items()}
 
 
-def shortened(text, most=22):
-    return text if len(text) <= most else text[: most - 9] + "…" + text[-8:]
+def heads(run, labels):
+    """label -> letter and label as the head of a small panel: two lines where one has no room for it."""
+    found = {}
+    for label, text in shortened(labels, 2 * LINE).items():
+        text = f"{key(run, label)} {text}".strip()
+        ends = [i + 1 for i, letter in enumerate(text) if letter in " +_…" and abs(i + 1 - len(text) / 2) < 6]
+        middle = min(ends, key=lambda end: abs(end - len(text) / 2), default=len(text) // 2)
+        found[label] = text if len(text) <= LINE else f"{text[:middle]}\n{text[middle:]}"
+    return found
+
+
+def shortened(names, most=22):
+    """name -> a text of at most `most` letters, its middle left out; different names never get one text.
+
+    Where the usual cut makes names alike, the cut is moved to where they differ; where no cut of that length tells them
+    apart, their texts are longer.
+    """
+    names = list(dict.fromkeys(names))
+    texts = {name: _cut(name, most, max(most - 9, (most - 1) // 2)) for name in names}
+    alike = {}
+    for name, text in texts.items():
+        alike.setdefault(text, []).append(name)
+    taken = {text for text, group in alike.items() if len(group) == 1}
+    for group in (group for group in alike.values() if len(group) > 1):
+        longest = max(map(len, group))
+        cuts = ((wide, head) for wide in range(most, longest + 1) for head in range(wide - 2, 0, -1))
+        tried = ({name: _cut(name, *cut) for name in group} for cut in cuts)
+        own = next((t for t in tried if len({*t.values()} - taken) == len(group)), {name: name for name in group})
+        texts |= own
+        taken |= set(own.values())
+    return texts
+
+
+def _cut(text, most, head):
+    """`text` with at most `most` letters: the first `head`, and the last of the rest."""
+    return text if len(text) <= most else text[:head] + "…" + text[len(text) - (most - 1 - head) :]
 
 
 def listed(names):
@@ -157,11 +197,23 @@ def machine(run, times=True):
     return f"timed on {place}; NOT DRAWN, FOR TIMED ON ANOTHER MACHINE OR BUILD: {named}"
 
 
+def other_procedure(run):
+    """What a caption of times says about algorithms as published that are timed in another procedure, else ""."""
+    found = [f"{key(run, label)} ({label})" for label in twins(run) if key(run, label)]
+    if not found:
+        return ""
+    return (
+        f' {listed(found)} is timed in another procedure than the thesis\'s: with search = "indexed" it leaves out points '
+        "that surely are not near, where the thesis compared all."
+    )
+
+
 def caption(run, what, thesis="", times=True):
     """what: what is drawn and how many (sentences); thesis: the figures of the thesis that it answers; times: whether
     it draws times, so only those of one machine and build."""
     config = f"“{run.meta.get('title', '')}” (sha256 {run.meta.get('config_sha256', 'unknown')[:10]})"
-    text = f"{what}{cut(run)} {pareto.name(run)}, configuration {config}, {machine(run, times)}."
+    text = f"{what}{cut(run)}{other_procedure(run) if times else ''} {pareto.name(run)}, configuration {config}, "
+    text += f"{machine(run, times)}."
     return f"{text} Answers {thesis} of the thesis." if thesis else text
 
 
@@ -228,20 +280,29 @@ def digits(value):
 
 
 def label_ends(axes, ends, gap=12):
-    """Names lines at their right end, `gap` points apart at least. ends: [(y, text, colour)], y in data."""
+    """Names lines at their right end, `gap` points apart at least, each tied to the end of its line by a line of the
+    same colour and its mark. ends: [(y, text, look)], y in data, look as keywords of matplotlib."""
     axes.figure.draw_without_rendering()  # the layout decides how far apart they are
     points = axes.figure.dpi / 72
-    place = [axes.transData.transform((0, y))[1] / points if y > 0 else -np.inf for y, _, _ in ends]
+    place = np.array([axes.transData.transform((0, y))[1] / points if y > 0 else -np.inf for y, _, _ in ends])
     low, high = (axes.transAxes.transform((0, y))[1] / points for y in (0, 1))
     order = np.argsort(place, kind="stable")
-    at = np.clip(np.array(place)[order], low, high)
+    at = np.clip(place[order], low, high)
     for i in range(1, len(at)):  # push up, then down from the top where that went too far
         at[i] = max(at[i], at[i - 1] + gap)
     for i in range(len(at) - 1, -1, -1):
         at[i] = min(at[i], high if i == len(at) - 1 else at[i + 1] - gap)
     for i, y in zip(order, at):
-        axes.annotate(ends[i][1], (1, (y - low) / (high - low)), xycoords="axes fraction", xytext=(5, 0),
-                      textcoords="offset points", va="center", color=ends[i][2], fontsize=9)  # fmt: skip
+        _, text, look = ends[i]
+        end = np.clip(place[i], low, high)
+        tie = {"arrowstyle": "-", "color": look["color"], "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
+        tie |= {"linestyle": look.get("linestyle", "-"), "relpos": (0, 0.5)}
+        axes.annotate(text, (1, (end - low) / (high - low)), xycoords="axes fraction", xytext=(TIE, y - end),
+                      textcoords="offset points", va="center", color=look["color"], fontsize=9, arrowprops=tie)  # fmt: skip
+        if look.get("marker"):
+            middle = axes.transAxes + ScaledTranslation((TIE - 5) / 72, (y - end) / 72, axes.figure.dpi_scale_trans)
+            mark = {"color": look["color"], "marker": look["marker"], "markersize": 5, "linestyle": "none"}
+            axes.add_artist(Line2D([1], [(end - low) / (high - low)], transform=middle, clip_on=False, **mark))
 
 
 def panels(figure, count, columns=3):

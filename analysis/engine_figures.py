@@ -94,7 +94,7 @@ def parts_of_a_step(run, kind, key):
     for name, (values, look) in lines.items():
         middle, times = binned(values[1:] / 1e9, np.median)
         axes.plot(middle + 1, times, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)
-        ends.append((times[-1], name, look["color"]))
+        ends.append((times[-1], name, look))
     log_seconds(axes)
     axes.set_xlabel("step")
     axes.set_ylabel("time per step")
@@ -184,7 +184,7 @@ def against_bodies(run, kind, key):
     for name in median:
         look = PHYSICS if name == "physics" else style(algorithm(run, name))
         axes.plot(median.index, median[name] / 1e9, **look, markevery=max(1, len(median) // 6), markersize=5)
-        ends.append((median[name].iloc[-1] / 1e9, named(name, power[name]), look["color"]))
+        ends.append((median[name].iloc[-1] / 1e9, named(name, power[name]), look))
     log_seconds(axes)
     axes.set_xlabel("bodies, fixed ones included")
     axes.set_ylabel("median time of a step")
@@ -226,7 +226,7 @@ def per_collision(run, kind, key):
         middle, value = binned(each / 1e9, np.median)
         _, where = binned(at, np.mean)
         axes.plot(where, value, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)
-        ends.append((value[-1], name, look["color"]))
+        ends.append((value[-1], name, look))
         early = at < START * len(number)
         costs[name] = np.where(there, time / np.where(there, hits, 1), np.nan)
         rows[name] = (there.sum(), np.median(each), swing(each[early]), swing(each[~early]))

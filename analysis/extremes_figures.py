@@ -96,7 +96,7 @@ def gap_figure(run, key):
         ax.axhline(base, color="#999999", linewidth=0.6)
     every = [i for i, (name, ulps) in enumerate(classes) if ulps or i in (0, len(classes) - 1) or (name.lstrip("+-").startswith("1e-") and int(name.split("e-")[1]) % 3 == 0)]
     ax.set_xticks(every, [classes[i][0].replace(" ulp", " u").replace("-", "−") for i in every], rotation=90)
-    ax.set_yticks([len(labels) - 1 - row + 0.4 for row in range(len(labels))], [shortened(label) for label in labels])
+    ax.set_yticks([len(labels) - 1 - row + 0.4 for row in range(len(labels))], shortened(labels).values())
     ax.set(xlim=(-0.6, len(classes) - 0.4), ylim=(-0.05, len(labels)), xlabel="signed gap: inside ←  → apart (of the scale; u: ulps)")
     ax.tick_params(axis="y", length=0)
     ax.grid(False)
@@ -179,7 +179,7 @@ def by_figure(run, word, unit, make, key):
         colour = FAILED if np.isnan(share) else next(c for bound, c in STEPS if share <= bound + 1e-12)
         text = share_text(share) + ("*" if row.failed and not np.isnan(share) else "")
         cells[(row.algorithm, value) if unit else (value, row.algorithm)] = (text, colour)
-    short = [shortened(label) for label in labels]
+    short = list(shortened(labels).values())
     if unit:
         fig, ax = figure(height=0.3 * len(labels) + 0.8)
         draw_map(ax, cells, labels, values, list(heads.values()), short)

@@ -1,13 +1,22 @@
-"""Puts labels beside their points so that none covers another, a mark or, if it can be helped, a line."""
+"""Puts labels beside their points so that each is tied to its own mark and none covers another or a mark.
+
+A label is tied when it stands so near to its mark that no other mark can be meant, or else by a line from its mark's
+edge that passes no other mark and no other label; the caller draws that line in the mark's colour. A label that can
+have neither is left out: no name is better than a wrong one.
+"""
 
 import numpy as np
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
 
-DISTANCES = (4, 8, 13, 19, 27, 36, 48, 62, 80)  # from the mark's edge, points
-ANGLES = np.deg2rad([0, 180, 90, 270, 30, 150, 330, 210, 60, 120, 300, 240, 15, 165, 345, 195])
+DISTANCES = (4, 8, 13, 19, 27, 36, 48, 62, 80, 102, 128)  # from the mark's edge, points
+ANGLES = np.deg2rad([0, 180, 90, 270, 30, 150, 330, 210, 60, 120, 300, 240, 15, 165, 345, 195, 45, 135, 315, 225])
 CLEAR = np.array([-2, -2, 2, 2])  # points: a line that comes nearer to a label than this touches it
-LEADER = 12  # points: farther labels get a line to their mark
+LEADER = 7  # points: farther labels get a line to their mark
+SHORTEST = 6  # points: a shorter line is not seen as one
+PUSHES = 6  # places for which a label without room may push others away
+APART = 1.5  # points: nearer marks are one for the eye
+AIR = 1  # points between a line and the edge of a stranger's mark
 
 
 def size(text, points, weight="normal"):
@@ -19,57 +28,86 @@ def size(text, points, weight="normal"):
 
 
 def place(named, sizes, region, marks, radii, segments):
-    """Where labels go: an array (N,2) of their lower left corners; NaN for one that has no room.
+    """Where labels go: their lower left corners (N,2), and lines x0 y0 x1 y1 (N,4) from a mark's edge to its label.
 
+    Both are NaN for a label that has no room, a line also where the label is so near that it needs none.
     named: (N), the numbers of the marks to be labelled; sizes: (N,2), width and height; region: (left, bottom, right,
     top) to stay in; marks: (M,2), the middles of all marks, radii: (M); segments: (L,4), lines x0 y0 x1 y1 that had
-    better stay readable. Greedy, the most crowded first, then every label three times again, given the others. Nothing
-    is random.
+    better stay readable. Greedy, the most crowded first, then every label twice again, given the others; then one
+    without room may push others away, if all of them find another place. Nothing is random.
     """
     sizes, marks = np.asarray(sizes, float).reshape(-1, 2), np.asarray(marks, float).reshape(-1, 2)
     radii, segments = np.asarray(radii, float), np.asarray(segments, float).reshape(-1, 4)
     named = np.asarray(named, int)
-    anchors = marks[named]
-    mark_boxes = np.hstack([marks - radii[:, None], marks + radii[:, None]])
-    boxes = np.full((len(anchors), 4), np.nan)
-    leaders = np.full((len(anchors), 4), np.nan)
-    crowd = [(np.abs(marks - anchor) < (60, 20)).all(axis=1).sum() for anchor in anchors]
-    order = sorted(range(len(anchors)), key=lambda label: (-crowd[label], label))
-    for turn in range(4):
-        for label in order:
-            boxes[label] = leaders[label] = np.nan
-            candidates, distance = _candidates(anchors[label], sizes[label], radii[named[label]])
-            inside = (candidates[:, :2] >= region[:2]).all(axis=1) & (candidates[:, 2:] <= region[2:]).all(axis=1)
-            candidates, distance = candidates[inside], distance[inside]
-            if not len(candidates):
-                continue
-            start = np.broadcast_to(anchors[label], (len(candidates), 2))
-            lines = np.hstack([start, _nearest(candidates, anchors[label])])
-            covered = _overlap(candidates, boxes, 1.5).any(axis=1) | _overlap(candidates, mark_boxes, 0).any(axis=1)
-            long = distance >= LEADER
-            covered |= long & _crosses(boxes, lines).any(axis=0)  # its leader through another label
-            covered |= _crosses(candidates, leaders).any(axis=1)  # another leader through it
-            others = (marks != anchors[label]).any(axis=1)
-            through = long * _crosses(mark_boxes[others] + [2, 2, -2, -2], lines).sum(axis=0)
-            gaps = np.hypot(*np.moveaxis(_gap(candidates, marks[others]), 2, 0)).min(axis=1, initial=np.inf)
-            own = np.hypot(*_gap(candidates, anchors[label : label + 1])[:, 0].T)
-            price = distance + 2.5 * np.maximum(0, own + 2 - gaps)  # nearer to a stranger's mark than to its own
-            price += 6 * _crosses(candidates + CLEAR, segments).sum(axis=1) + 15 * through
-            price = np.where(covered, np.inf, price)
+    spots = [_spots(mark, size, region, marks, radii, segments) for mark, size in zip(named, sizes)]
+    put = np.full((len(named), 8), np.nan)  # box and line of each label
+
+    def clashes(label):
+        """(spots, labels): whether a label at its spot covers another, or either one's line passes the other."""
+        boxes, lines = spots[label][0], spots[label][1]
+        there = _overlap(boxes, put[:, :4], 1.5) | _crosses(put[:, :4], lines).T | _crosses(boxes, put[:, 4:])
+        there[:, label] = False
+        return there
+
+    def settle(label):
+        boxes, lines, price = spots[label]
+        put[label] = np.nan
+        price = np.where(clashes(label).any(axis=1), np.inf, price + 20 * _cut(lines, put[:, 4:]).sum(axis=1))
+        if len(price) and np.isfinite(price.min()):
             best = int(np.argmin(price))
-            if np.isfinite(price[best]):
-                boxes[label] = candidates[best]
-                leaders[label] = lines[best] if long[best] else np.nan
-    return boxes[:, :2]
+            put[label] = [*boxes[best], *lines[best]]
+
+    def free():
+        return int(np.isnan(put[:, 0]).sum())
+
+    crowd = [(np.abs(marks - marks[mark]) < (60, 20)).all(axis=1).sum() for mark in named]
+    order = sorted(range(len(named)), key=lambda label: (-crowd[label], label))
+    for _ in range(3):
+        for label in order:
+            settle(label)
+    for label in [label for label in order if np.isnan(put[label, 0])]:
+        if not np.isnan(put[label, 0]):
+            continue
+        pushed, before = clashes(label), put.copy()
+        for spot in np.lexsort((spots[label][2], pushed.sum(axis=1)))[:PUSHES]:
+            put[pushed[spot]] = np.nan
+            put[label] = [*spots[label][0][spot], *spots[label][1][spot]]
+            for other in np.flatnonzero(pushed[spot]):
+                settle(other)
+            if free() < np.isnan(before[:, 0]).sum():
+                break
+            put[:] = before
+    for label in order:  # what was pushed away may have left something better
+        settle(label)
+    return put[:, :2], put[:, 4:]
 
 
-def leader(corner, extent, anchor, radius):
-    """The line (x0, y0, x1, y1) from a mark's edge to its label, or None when they are near."""
-    box = np.array([[*corner, *(np.asarray(corner) + extent)]])
-    end = _nearest(box, np.asarray(anchor, float))[0]
+def _spots(mark, extent, region, marks, radii, segments):
+    """Boxes (C,4), lines (C,4) and prices (C) of the places that a label may have as far as marks and `region` go."""
+    anchor, radius = marks[mark], radii[mark]
+    boxes, distance = _candidates(anchor, extent, radius)
+    inside = (boxes[:, :2] >= region[:2]).all(axis=1) & (boxes[:, 2:] <= region[2:]).all(axis=1)
+    boxes, distance = boxes[inside], distance[inside]
+    lines, length = _leaders(boxes, anchor, radius)
+    strangers = np.hypot(*(marks - anchor).T) > APART
+    gaps = np.hypot(*np.moveaxis(_gap(boxes, marks[strangers]), 2, 0)) - radii[strangers]
+    tied = (length >= LEADER) | (length + 2 > gaps.min(axis=1, initial=np.inf))
+    passed = (_away(lines, marks[strangers]) < radii[strangers] + AIR).any(axis=1)
+    bad = _overlap(boxes, np.hstack([marks - radii[:, None], marks + radii[:, None]]), 0).any(axis=1)
+    bad |= tied & (passed | (length < SHORTEST))
+    lines[~tied] = np.nan
+    price = distance + 4 * tied + 6 * _crosses(boxes + CLEAR, segments).sum(axis=1)
+    price += 6 * _cut(lines, segments).sum(axis=1)
+    return boxes[~bad], lines[~bad], price[~bad]
+
+
+def _leaders(boxes, anchor, radius):
+    """Lines (C,4) from a mark's edge to the nearest point of each box, and their lengths (C)."""
+    end = np.clip(anchor, boxes[:, :2], boxes[:, 2:])
     way = end - anchor
-    length = np.hypot(*way)
-    return None if length - radius < LEADER - 2 else (*(anchor + way * radius / length), *end)
+    length = np.hypot(*way.T)
+    start = anchor + way * (radius / np.maximum(length, radius))[:, None]
+    return np.hstack([start, end]), length - radius
 
 
 def _candidates(anchor, extent, radius):
@@ -81,27 +119,45 @@ def _candidates(anchor, extent, radius):
     return np.hstack([middle - extent / 2, middle + extent / 2]), distance + preferred
 
 
-def _nearest(boxes, point):
-    return np.clip(point, boxes[:, :2], boxes[:, 2:])
-
-
 def _gap(boxes, points):
     """(A,B,2): from points to the nearest of each box."""
     return points[None, :, :] - np.clip(points[None, :, :], boxes[:, None, :2], boxes[:, None, 2:])
 
 
+def _away(lines, points):
+    """(A,B): how far points are from lines x0 y0 x1 y1."""
+    start, way = lines[:, None, :2], (lines[:, 2:] - lines[:, :2])[:, None]
+    along = ((points[None] - start) * way).sum(axis=2) / np.maximum((way**2).sum(axis=2), 1e-300)
+    return np.hypot(*np.moveaxis(points[None] - start - np.clip(along, 0, 1)[..., None] * way, 2, 0))
+
+
 def _overlap(a, b, gap):
     """(A,B): whether boxes come nearer than `gap`; never for NaN."""
-    return ((a[:, None, :2] < b[None, :, 2:] + gap) & (b[None, :, :2] - gap < a[:, None, 2:])).all(axis=2)
+    near = [(a[:, None, c] < b[None, :, c + 2] + gap) & (b[None, :, c] - gap < a[:, None, c + 2]) for c in (0, 1)]
+    return near[0] & near[1]
+
+
+def _cut(a, b):
+    """(A,B): whether lines x0 y0 x1 y1 cross; never for NaN."""
+
+    def side(lines, points):  # (lines, points) of different shapes that broadcast
+        along, off = lines[..., 2:] - lines[..., :2], points - lines[..., :2]
+        return along[..., 0] * off[..., 1] - along[..., 1] * off[..., 0]
+
+    a, b = a[:, None], b[None]
+    apart = side(a, b[..., :2]) * side(a, b[..., 2:]), side(b, a[..., :2]) * side(b, a[..., 2:])
+    return (apart[0] < 0) & (apart[1] < 0)
 
 
 def _crosses(boxes, lines):
     """(A,B): whether a line (x0, y0, x1, y1) passes a box, by clipping; never for NaN."""
-    start, way = lines[None, :, :2], lines[None, :, 2:] - lines[None, :, :2]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        low, high = (boxes[:, None, :2] - start) / way, (boxes[:, None, 2:] - start) / way
+    enter, leave = 0, 1
+    for c in (0, 1):  # an axis at a time: numpy is slow along an axis of two
+        start, way = lines[None, :, c], lines[None, :, c + 2] - lines[None, :, c]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            low, high = (boxes[:, None, c] - start) / way, (boxes[:, None, c + 2] - start) / way
         still = way == 0
-        within = (start >= boxes[:, None, :2]) & (start <= boxes[:, None, 2:])
-        enter = np.where(still, np.where(within, -np.inf, np.inf), np.minimum(low, high)).max(axis=2)
-        leave = np.where(still, np.where(within, np.inf, -np.inf), np.maximum(low, high)).min(axis=2)
-    return (enter <= leave) & (enter <= 1) & (leave >= 0)
+        within = (start >= boxes[:, None, c]) & (start <= boxes[:, None, c + 2])
+        enter = np.maximum(enter, np.where(still, np.where(within, -np.inf, np.inf), np.minimum(low, high)))
+        leave = np.minimum(leave, np.where(still, np.where(within, np.inf, -np.inf), np.maximum(low, high)))
+    return enter <= leave

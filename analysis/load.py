@@ -25,6 +25,8 @@ import h5py
 import numpy as np
 import pandas as pd
 
+from analysis import intact
+
 SCHEMA_VERSION = 1  # the newest that this module knows
 
 
@@ -43,6 +45,11 @@ class Run:
 
     path: str
     meta: dict = field(repr=False)
+    mark: tuple = field(repr=False)  # of the file that was checked
+
+    def opened(self):
+        """The file as an h5py.File, to be closed. Raises OSError when it is not the one that was loaded any more."""
+        return intact.opened(self.path, self.mark)
 
     @cached_property
     def per_step(self):
@@ -85,14 +92,14 @@ class Run:
         if not columns:
             return None
         table = pd.DataFrame(columns, index=pd.RangeIndex(self.meta["steps"], name="step"))
-        with h5py.File(self.path) as file:
+        with self.opened() as file:
             table.attrs.update({name: file["physics"].attrs[name] for name in file["physics"].attrs})
         return table
 
     @cached_property
     def truth_hits(self):
         """The number of pairs that meet, per step (uint64, S); empty when the file has no truth."""
-        with h5py.File(self.path) as file:
+        with self.opened() as file:
             return file["truth/hits"][()] if "truth/hits" in file else np.zeros(0, np.uint64)
 
     def per_pair(self, label):
@@ -105,7 +112,7 @@ class Run:
         reported, truth, contained = self.pairs(label), self.truth_pairs, None
         containment = self.meta["truth"].get("containment")
         if containment == "meet":
-            truth = pd.concat([truth, self.contained_pairs], ignore_index=True)
+            truth = pd.concat([truth, self.contained_pairs[["step", "a", "b"]]], ignore_index=True)
         elif containment == "record":
             contained = self.contained_pairs
         bodies = max(len(self.meta["bodies"]), 1)
@@ -140,11 +147,15 @@ class Run:
 
     @cached_property
     def contained_pairs(self):
-        """The pairs of which one body lies wholly inside the other. Columns as truth_pairs; None when not recorded."""
-        with h5py.File(self.path) as file:
+        """The pairs of which one body lies wholly inside the other; None when not recorded.
+
+        Columns: step, a, b as truth_pairs; inside: the body that is, a or b (not in files older than the column).
+        """
+        with self.opened() as file:
             if "truth/contained_pair" not in file:
                 return None
-        return self._pairs("truth", "contained_pair", "contained_offset")
+            inside = {"inside": data[()] for name, data in file["truth"].items() if name == "contained_inside"}
+        return self._pairs("truth", "contained_pair", "contained_offset").assign(**inside)
 
     @cached_property
     def gaps(self):
@@ -153,7 +164,7 @@ class Run:
         Columns: step, a, b (numbers of bodies, a < b), lower, upper (m): lower <= distance <= upper, both certified. A
         pair whose distance is surely above the margin is not there. N rows, sorted.
         """
-        with h5py.File(self.path) as file:
+        with self.opened() as file:
             truth = file["truth"]
             if "gap_pair" not in truth:
                 return None
@@ -170,7 +181,7 @@ class Run:
         Columns: mesh (name), fixed (bool), first_step; kind ("box", "sphere", ...; "file" for a mesh read from one);
         size (3, m): the greatest less the least local vertex.
         """
-        with h5py.File(self.path) as file:
+        with self.opened() as file:
             shapes = {name: (_kind(mesh.attrs["shape"]), np.ptp(mesh["vertices"][()], axis=0))
                       for name, mesh in file["meshes"].items()}  # fmt: skip
             mesh = list(file["bodies/mesh"].asstr()[()])
@@ -186,7 +197,7 @@ class Run:
     @cached_property
     def motion(self):
         """position (S,B,3) m and orientation (S,B,4) w x y z; NaN for a body that is not there."""
-        with h5py.File(self.path) as file:
+        with self.opened() as file:
             return file["motion/position"][()], file["motion/orientation"][()]
 
     @cached_property
@@ -199,7 +210,7 @@ class Run:
         energy_error, momentum_drift (1), greatest_penetration (m), smallest_step, preventing_step (s), steps,
         rejected_steps, force_evaluations, time_ns (of processor).
         """
-        with h5py.File(self.path) as file:
+        with self.opened() as file:
             if "study" not in file:
                 return None
             columns = {}
@@ -217,7 +228,7 @@ class Run:
         (categorical); truth_first, truth_last (m, NaN for never), first, last (m before the exact first and last
         contact, negative after; NaN for never), flicker, reported (samples; `hits` in the file), and what else it has.
         """
-        with h5py.File(self.path) as file:
+        with self.opened() as file:
             if "passes" not in file:
                 return None
             columns = {}
@@ -267,17 +278,17 @@ class Run:
     @cached_property
     def failures(self):
         """Per algorithm what it said when it first failed at a case of extremes, "" when it never did; else None."""
-        with h5py.File(self.path) as file:
+        with self.opened() as file:
             return list(file["extremes/failure"].asstr()[()]) if "extremes/failure" in file else None
 
     def _columns(self, group):
         """name -> values of a group's columns, its dimensions left out; empty when there is no such group."""
-        with h5py.File(self.path) as file:
+        with self.opened() as file:
             datasets = file.get(group, {})
             return {name: data[()] for name, data in datasets.items() if not h5py.h5ds.is_scale(data.id)}
 
     def _pairs(self, group, pair="pair", offset="pair_offset"):
-        with h5py.File(self.path) as file:
+        with self.opened() as file:
             if group not in file:
                 raise KeyError(f"{self.path}: has no /{group}")
             offset, pair = file[group][offset][()], file[group][pair][()]
@@ -285,58 +296,52 @@ class Run:
         return pd.DataFrame({"step": step, "a": pair[:, 0], "b": pair[:, 1]})
 
 
-def load(path):
-    """Opens the result at `path` as a Run.
+def load(path, unsealed=False):
+    """Opens the result at `path` as a Run, once all of it was checked: its seal, its links and sizes, its digests.
 
-    Raises OSError when it is missing, not HDF5 or cut off, ValueError when it is an unfinished run, not a result, or of
-    a schema that this module does not know. The message is one line that starts with the path.
+    Raises OSError when it is missing, no regular file, not HDF5, cut off, changed or damaged, ValueError when it is an
+    unfinished run, not a result, or of a schema that this module does not know. The message is one line that starts
+    with the path. unsealed: read a file that was changed since it was written, as by own datasets in own groups; then,
+    and of results from before there were seals, times and attributes are vouched for by nobody, which is warned.
     """
     path = os.fspath(path)
-    with _opened(path) as file:
-        version = file.attrs.get("schema_version")
-        if version is None:
-            raise ValueError(f"{path}: is not a result of this program (it has no attribute schema_version)")
-        if not isinstance(version, (int, np.integer)) or not 1 <= version <= SCHEMA_VERSION:
-            raise ValueError(
-                f"{path}: has schema version {version}, this module reads 1 to {SCHEMA_VERSION}; "
-                "use the analysis/load.py that came with the program that wrote it"
-            )
-        answers = file.get("answers", {})
-        labels = _names(file, "algorithm")
-        lost = [label for label in labels if label not in answers]
-        if lost:
-            raise ValueError(f"{path}: is damaged: /answers lacks {', '.join(lost)}")
-        meta = {name: _plain(value) for name, value in file.attrs.items()} | {
-            "steps": file["step"].shape[0] if "step" in file else 0,
-            "rate": float(file["time"].attrs.get("rate", np.nan)) if "time" in file else np.nan,
-            "bodies": _names(file, "body"),
-            "algorithms": labels,
-            "config": file["config"].asstr()[()] if "config" in file else "",
-            "config_effective": file["config"].attrs.get("effective", "") if "config" in file else "",
-            "run": _attributes(file, "run"),
-            "motion": _attributes(file, "motion"),
-            "truth": _attributes(file, "truth"),
-            "answers": {label: _attributes(file, f"answers/{label}") for label in labels},
-        }
-    return Run(path, meta)
-
-
-def _opened(path):
     if os.path.isdir(path):
         if os.path.exists(os.path.join(path, "manifest.json")) or path.rstrip("/").endswith(".part"):
             raise ValueError(f"{path}: is an unfinished run; the command that began it finishes it")
         raise ValueError(f"{path}: is a folder, not a result")
     if not os.path.exists(path):
         raise FileNotFoundError(f"{path}: there is no such file")
-    try:
-        return h5py.File(path)
-    except OSError as error:
-        reason = " ".join(str(error).split())
-        if "signature not found" in reason:
-            raise OSError(f"{path}: is not an HDF5 file") from error
-        if "truncated" in reason:
-            raise OSError(f"{path}: is truncated: its end is missing; copy it again") from error
-        raise OSError(f"{path}: cannot be read ({reason})") from error
+    meta, mark = intact.checked(path, lambda file: _meta(path, file), unsealed)
+    return Run(path, meta, mark)
+
+
+def _meta(path, file):
+    """Run.meta of an open file. Raises ValueError when it is no result, or of an unknown schema."""
+    version = file.attrs.get("schema_version")
+    if version is None:
+        raise ValueError(f"{path}: is not a result of this program (it has no attribute schema_version)")
+    if not isinstance(version, (int, np.integer)) or not 1 <= version <= SCHEMA_VERSION:
+        raise ValueError(
+            f"{path}: has schema version {version}, this module reads 1 to {SCHEMA_VERSION}; "
+            "use the analysis/load.py that came with the program that wrote it"
+        )
+    answers = file.get("answers", {})
+    labels = _names(file, "algorithm")
+    lost = [label for label in labels if label not in answers]
+    if lost:
+        raise ValueError(f"{path}: is damaged: /answers lacks {', '.join(lost)}")
+    return {name: _plain(value) for name, value in file.attrs.items()} | {
+        "steps": file["step"].shape[0] if "step" in file else 0,
+        "rate": float(file["time"].attrs.get("rate", np.nan)) if "time" in file else np.nan,
+        "bodies": _names(file, "body"),
+        "algorithms": labels,
+        "config": file["config"].asstr()[()] if "config" in file else "",
+        "config_effective": file["config"].attrs.get("effective", "") if "config" in file else "",
+        "run": _attributes(file, "run"),
+        "motion": _attributes(file, "motion"),
+        "truth": _attributes(file, "truth"),
+        "answers": {label: _attributes(file, f"answers/{label}") for label in labels},
+    }
 
 
 def _attributes(file, group):

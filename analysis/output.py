@@ -1,6 +1,35 @@
-"""A page on the disk: whole or not at all, and only in place of another page."""
+"""What leaves the program: text for a terminal, and a page on the disk: whole or not at all, and only in place of
+another page."""
 
 import os
+import secrets
+import sys
+
+
+def open_standard_descriptors():
+    """Opens those of 0, 1 and 2 that are closed, before anything else: the next file would get their number, and with
+    it what is printed. Output to a closed stdout stays an error, to a closed stderr it is dropped."""
+    for number, mode in ((0, os.O_RDONLY), (1, os.O_RDONLY), (2, os.O_RDWR)):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.set_inheritable(os.open(os.devnull, mode), True)
+    sys.stdout = sys.stdout or open(1, "w", closefd=False)
+    sys.stderr = sys.stderr or open(2, "w", closefd=False)  # None means stdout to print()
+
+
+def say(text):
+    """Prints a result. Raises OSError when it is lost."""
+    try:
+        print(text, flush=True)
+    except OSError as error:
+        sys.stdout = None  # or the interpreter tries again at its end
+        raise OSError(f"stdout: cannot be written ({error.strerror})") from error
+
+
+def visible(text):
+    """`text` fit for a terminal: control characters but line ends become '?'. Texts of files may be commands to it."""
+    return "".join("?" if c != "\n" and (ord(c) < 32 or 127 <= ord(c) < 160) else c for c in text)
 
 
 def refuse(path):
@@ -20,15 +49,21 @@ def refuse(path):
 def write(path, text):
     """Writes the page. Raises OSError, in a line that starts with the path."""
     refuse(path)
-    part = f"{path}.{os.getpid()}.part"
+    part, made = f"{path}.{secrets.token_hex(4)}.new", False  # a name of one's own, where others can write too
     try:
-        with open(part, "w", encoding="utf-8", errors="replace") as file:  # a file's name may be no UTF-8
+        with open(part, "x", encoding="utf-8", errors="replace") as file:  # a file's name may be no UTF-8
+            made = True
+            if os.path.exists(path):
+                os.fchmod(file.fileno(), os.stat(path).st_mode & 0o777)
             file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
         os.replace(part, path)
+        made = False
     except OSError as error:
         raise OSError(f"{path}: cannot be written ({error.strerror})") from error
     finally:
-        if os.path.exists(part):
+        if made:
             os.remove(part)
 
 

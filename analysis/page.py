@@ -42,7 +42,7 @@ def page(title, lead, warnings, sections):
             *(_section(key, section) for key, section in bodies),
             "</main>",
             (
-                "<footer>Made by python3 -m analysis report from result files alone; every figure's numbers are below"
+                "<footer>Made by scripts/analysis report from result files alone; every figure's numbers are below"
                 " it.</footer>"
             ),
             f"<script>\n{_beside('page.js')}</script>\n</body>\n</html>\n",

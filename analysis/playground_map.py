@@ -205,10 +205,10 @@ def grid(run, labels, columns):
     """Empty axes, a unit square per cell, rows from the top; names at the left and on top."""
     fig, axes = figure(height=0.36 * len(labels) + 1.75)
     axes.set(xlim=(0, len(columns)), ylim=(len(labels), 0))
-    axes.set_xticks(np.arange(len(columns)) + 0.5, [shortened(str(column), 18) for column in columns], rotation=60,
+    axes.set_xticks(np.arange(len(columns)) + 0.5, shortened(map(str, columns), 18).values(), rotation=60,
                     ha="left", rotation_mode="anchor")  # fmt: skip
     axes.xaxis.tick_top()
-    named = [f"{key(run, label)} {shortened(label, 24)}".strip() for label in labels]
+    named = [f"{key(run, label)} {text}".strip() for label, text in shortened(labels, 24).items()]
     axes.set_yticks(np.arange(len(labels)) + 0.5, named)
     axes.tick_params(length=0, labelsize=8)
     axes.grid(visible=False)

@@ -14,6 +14,7 @@ HEIGHT = 4.7  # inches, without the legend
 MARGIN = {"left": 46, "right": 10, "top": 8, "bottom": 40}  # points
 STRIP = 34  # points: the height of the strip for no error
 TEXT = 9
+LONGEST = 34  # letters of a name: half of the figure
 
 COSTS = {
     "time_mean_ns": "mean time per step",
@@ -54,8 +55,11 @@ def against(scene, points, cost, key, apart=""):
     left_out = list(points.label[~seen])
     points = points[seen].reset_index(drop=True)
     points["front"] = pareto.front(points[cost], points.error) if len(points) else False
-    caption = " ".join(filter(None, [_caption(scene, points, cost), apart, _left_out(left_out)]))
-    return Figure(finding(points, cost), _draw(points, cost), caption, _table(points, cost, scene), key)
+    fig, titles, nameless = _draw(points, cost)
+    caption = " ".join(
+        filter(None, [_caption(scene, points, cost), apart, _left_out(left_out), _without_name(nameless)])
+    )
+    return Figure(finding(points, cost), svg_of(fig, titles), caption, _table(points, cost, scene), key)
 
 
 def finding(points, cost):
@@ -123,7 +127,7 @@ def kinds(scene, key):
             axes.text(value, row, f" {number(value)}", va="center", fontsize=9, color="#111111" if value else "#767676")
         axes.tick_params(axis="y", length=0)
         axes.locator_params(axis="x", nbins=4)
-    left.set_yticks(rows, map(shortened, drawn.label))
+    left.set_yticks(rows, shortened(drawn.label, LONGEST).values())
     left.set_ylim(-0.6, len(drawn) - 0.4)
     return Figure(_kinds_finding(points, met), svg_of(fig), caption, table, key)
 
@@ -166,6 +170,10 @@ def _left_out(names):
     return f"Not drawn, being without a cost above 0: {', '.join(names)}." if names else ""
 
 
+def _without_name(names):
+    return f"No room for the names of {', '.join(names)}: the pointer tells them." if names else ""
+
+
 def _table(points, cost, scene):
     table = pd.DataFrame({"label": points.label, "error": points.error})
     if cost == "time_mean_ns":
@@ -183,6 +191,7 @@ def _table(points, cost, scene):
 
 
 def _draw(points, cost):
+    """The figure, what the pointer tells of its marks, and the labels whose names found no room."""
     crowded = len(points) > NAMED
     lines = pareto.sweeps(points) if len(points) else []
     joined = pareto.relatives(points, cost) if len(points) else []
@@ -236,7 +245,7 @@ def _draw(points, cost):
     for algorithm, rows in joined:
         drawn += _line(main, points, cost, algorithm, rows, (0, (1, 2)), 1)
     drawn += _front(main, strip, points, cost)
-    _name(fig, main, strip, points, cost, drawn, crowded, lines, joined)
+    nameless = _name(fig, main, strip, points, cost, drawn, crowded, lines, joined)
     if legend:
         fig.legend(
             handles=legend,
@@ -251,7 +260,7 @@ def _draw(points, cost):
             borderaxespad=0.3,
             handlelength=1.8,
         )
-    return svg_of(fig, titles)
+    return fig, titles, nameless
 
 
 def _axes(main, strip, points, cost):
@@ -346,6 +355,8 @@ def _front(main, strip, points, cost):
 
 
 def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
+    """Puts names beside marks, tied by a line of the mark's colour where another mark could be meant; gives the labels
+    that found no room."""
     named = set(points.index)
     if crowded:
         ends = [rows[end] for _, _, rows in lines for end in (0, -1)] + [
@@ -353,39 +364,33 @@ def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
         ]
         named = set(points.index[points.front | points.exact | points.library]) | set(ends)
     if not named:
-        return
+        return []
     places = [
         (strip if error == 0 else main).transData.transform((x, error)) for x, error in zip(points[cost], points.error)
     ]
     pixels = np.array(places)
     rows = sorted(named, key=lambda row: (not points.front[row], row))
+    texts = shortened(points.label[rows], LONGEST)
     weights = ["bold" if points.front[row] else "normal" for row in rows]
-    sizes = np.array([labels.size(points.label[row], TEXT, weight) for row, weight in zip(rows, weights)])
+    sizes = np.array([labels.size(texts[points.label[row]], TEXT, weight) for row, weight in zip(rows, weights)])
     box, under = main.get_window_extent(), strip.get_window_extent()
     region = (box.x0 + 2, under.y0 + 1, box.x1 + 6, box.y1 + 4)
     radii = (4.0 if crowded else 5.0) + 2.5 * points.exact.to_numpy() + 2.5 * points.library.to_numpy()
-    corners = labels.place(rows, sizes, region, pixels, radii, drawn)
+    corners, leaders = labels.place(rows, sizes, region, pixels, radii, drawn)
     to_figure = fig.transFigure.inverted()
-    for row, corner, extent, weight in zip(rows, corners, sizes, weights):
+    nameless = []
+    for row, corner, line, weight in zip(rows, corners, leaders, weights):
+        label = points.label[row]
         if np.isnan(corner).any():
-            continue  # no room: its numbers are in the table, its name under the pointer
-        x, y = to_figure.transform(corner)
-        fig.text(
-            x,
-            y,
-            points.label[row],
-            fontsize=TEXT,
-            fontweight=weight,
-            color="#111111",
-            va="bottom",
-            ha="left",
-            zorder=6,
-            gid="halo",
-        )
-        line = labels.leader(corner, extent, pixels[row], radii[row])
-        if line:
-            ends = to_figure.transform([line[:2], line[2:]])
-            fig.add_artist(Line2D(*ends.T, color="#888888", linewidth=0.6, zorder=1.5))
+            nameless.append(label)
+            continue
+        look = {"fontsize": TEXT, "fontweight": weight, "color": "#111111", "va": "bottom", "ha": "left"}
+        fig.text(*to_figure.transform(corner), texts[label], **look, zorder=6, gid="halo")
+        if not np.isnan(line).any():
+            ends = to_figure.transform(line.reshape(2, 2))
+            colour = style(points.algorithm[row])["color"]
+            fig.add_artist(Line2D(*ends.T, color=colour, linewidth=0.7, zorder=5))
+    return nameless
 
 
 def _legend(points, crowded, lines, joined):

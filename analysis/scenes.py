@@ -1,8 +1,9 @@
 """What the statements ask of a run: the playground by pass and by sample, the box and falling scenes by step and in
 sum."""
 
+import json
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -38,12 +39,13 @@ class Playground:
 @dataclass(frozen=True)
 class Timed:
     """A run with dynamics. summary, per_step: as in Run; bodies: per step, how many are there; host: where it was
-    timed."""
+    timed; twins: as of twins()."""
 
     summary: pd.DataFrame
     per_step: pd.DataFrame
     bodies: np.ndarray
     host: str
+    twins: dict = field(default_factory=dict)
 
     @property
     def labels(self):
@@ -60,7 +62,26 @@ def timed(run):
     there = (first[None, :] >= 0) & (first[None, :] <= np.arange(run.meta["steps"])[:, None])
     hosts = {(answers["host"], answers["processor"]) for answers in run.meta["answers"].values()}
     host = " ".join(hosts.pop()) if len(hosts) == 1 else ""  # "" when algorithms were timed on different machines
-    return Timed(run.summary, run.per_step, there.sum(axis=1), host)
+    return Timed(run.summary, run.per_step, there.sum(axis=1), host, twins(run))
+
+
+def twins(run):
+    """Labels that are timed in another procedure than the thesis's -> the label of the same answers in the thesis's own,
+    "" where the file has none.
+
+    That is facet_distance with search = "indexed": it leaves out points that surely are not near, the thesis compared
+    all. Its answers are the same.
+    """
+    knobs = {
+        label: json.loads(answers.get("knobs") or "{}")
+        for label, answers in run.meta["answers"].items()
+        if answers.get("name") == "facet_distance"
+    }
+    return {
+        label: next((other for other in knobs if knobs[other] == mine | {"search": "exhaustive"}), "")
+        for label, mine in knobs.items()
+        if mine.get("search") == "indexed"
+    }
 
 
 def playground(run):

@@ -6,7 +6,7 @@ published, under their own names; where a file has their careful form (label `<n
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,13 +43,17 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Statement:
-    """judge(*scenes, *labels) -> (holds, figures), for the kinds of `scenes` and the labels of the `keys`, in order."""
+    """judge(*scenes, *labels) -> (holds, figures), for the kinds of `scenes` and the labels of the `keys`, in order.
+
+    times: it compares times of its algorithms, so each must be of the thesis's own procedure.
+    """
 
     number: int
     text: str
     scenes: tuple
     keys: str
     judge: Callable
+    times: bool = False
 
 
 # Times and counts: the box and the falling scene.
@@ -203,12 +207,30 @@ def share(flags):
     return float(np.mean(np.asarray(flags, dtype=float)))
 
 
+def early_share(touching):
+    """The share of touching passes whose first report is visibly early."""
+    return share(touching["first"] > t.EXACT_M)
+
+
+def late_share(touching, limit=t.EXACT_M):
+    """The share of touching passes first reported later than `limit` after contact, or never."""
+    return share(~(touching["first"] >= -limit))
+
+
+def early_figures(play, label, names=None, what=""):
+    """What "is early" means: at least NOTICED of the touching passes are visibly early, and more than are late or never
+    reported."""
+    _, touching = passes(play, label, names)
+    early, late = early_share(touching), late_share(touching)
+    return early >= t.NOTICED and early > late, {f"early{what}": early, f"late or blind{what}": late}
+
+
 def never_late(play, label):
     """(13) No false negative, every touching pass reported from first to last contact, and each visibly before it."""
     _, touching = passes(play, label)
     missed = int(play.false_negative[label])
     whole = (touching["first"] >= -t.BISECTION_M) & (touching["last"] <= t.BISECTION_M)
-    early = share(touching["first"] > t.EXACT_M)
+    early = early_share(touching)
     figures = {"missed samples": missed, "cut or blind passes": int((~whole).sum()), "early": early}
     figures["least first m"] = float(touching["first"].min())
     return missed == 0 and bool(whole.all()) and early == 1, figures
@@ -268,7 +290,7 @@ def good_figures(play, label, names):
     """Good: the median contact begins within SLIGHT_M of the truth; later than that, or never, are at most RARE."""
     _, touching = passes(play, label, names)
     median = float(touching["first"].abs().fillna(np.inf).median())
-    late = share(~(touching["first"] >= -t.SLIGHT_M))
+    late = late_share(touching, t.SLIGHT_M)
     return median <= t.SLIGHT_M and late <= t.RARE, {"median off m": median, "late or blind": late}
 
 
@@ -283,7 +305,7 @@ def too_early_or_blind(play, label):
     """(17) On boxes turned otherwise: MOST passes too early (TOO_EARLY_M) or blind (never, or SLIGHT_M late), and both
     occur."""
     _, touching = passes(play, label, targets(play, "slab at 45 degrees", kind="box", turn="other"))
-    early, blind = share(touching["first"] > t.TOO_EARLY_M), share(~(touching["first"] >= -t.SLIGHT_M))
+    early, blind = share(touching["first"] > t.TOO_EARLY_M), late_share(touching, t.SLIGHT_M)
     return early > 0 and blind > 0 and early + blind > t.MOST, {"too early": early, "blind": blind}
 
 
@@ -295,13 +317,13 @@ def sees_ring_and_knot(play, label):
 
 
 def slightly_early(play, label):
-    """(19) The median first report is visibly early, by SLIGHT_M at most; too early are at most RARE."""
+    """(19) Is early, the median of the early passes by SLIGHT_M at most; too early are at most RARE."""
+    early, figures = early_figures(play, label)
     _, touching = passes(play, label)
-    first = touching["first"].dropna()
-    if first.empty:
-        return False, {"reported": 0.0}
-    median, far = float(first.median()), share(first > t.TOO_EARLY_M)
-    return t.EXACT_M < median <= t.SLIGHT_M and far <= t.RARE, {"median first m": median, "too early": far}
+    ahead = touching["first"][touching["first"] > t.EXACT_M]
+    far = share(touching["first"] > t.TOO_EARLY_M)
+    figures |= {"median of the early m": float(ahead.median()), "too early": far}
+    return early and figures["median of the early m"] <= t.SLIGHT_M and far <= t.RARE, figures
 
 
 def inside_share(play, label):
@@ -348,16 +370,9 @@ def tunnels_most(play, label, *others):
     return silent >= t.NEARLY_ALL and missed > next_most, figures
 
 
-def early_figures(play, label, names, what):
-    """Early: at least NOTICED of the touching passes are visibly early, and more than are late or never reported."""
-    _, touching = passes(play, label, names)
-    early, late = share(touching["first"] > t.EXACT_M), share(~(touching["first"] >= -t.EXACT_M))
-    return early >= t.NOTICED and early > late, {f"early{what}": early, f"late or blind{what}": late}
-
-
 def early_on_turned(play, label):
     """(23) Targets turned by no multiple of 90 degrees."""
-    return early_figures(play, label, targets(play, "turned body", turn="other"), "")
+    return early_figures(play, label, targets(play, "turned body", turn="other"))
 
 
 def exact_slab_early_round(play, label):
@@ -418,15 +433,15 @@ BOTH = ("box", "falling")
 PLAY = ("playground",)
 STATEMENTS = [
     Statement(1, "Order of mean times in the box scene: H < G < J < O < L < I < P < U < K.", ("box",), "HGJOLIPUK",
-              mean_order("HGJOLIPUK")),
+              mean_order("HGJOLIPUK"), times=True),
     Statement(2, "Order of mean times in the falling scene: G < H < J < O < L < U < I < P < K.", ("falling",),
-              "GHJOLUIPK", mean_order("GHJOLUIPK")),
-    Statement(3, "Three groups {G,H,J} < {O,L} < {P,I,U} < K in both.", BOTH, "GHJOLPIUK", groups),
+              "GHJOLUIPK", mean_order("GHJOLUIPK"), times=True),
+    Statement(3, "Three groups {G,H,J} < {O,L} < {P,I,U} < K in both.", BOTH, "GHJOLPIUK", groups, times=True),
     Statement(4, "Every mean of the falling scene is above the same of the box scene.", BOTH, "GHJKLPOIU",
-              falling_above_box),
+              falling_above_box, times=True),
     Statement(5, "K takes about 9 to 10 times the next slowest in the falling scene, 5 in the box scene.", BOTH,
-              "KGHJLPOIU", slowest_by_far),
-    Statement(6, "I and U are within 25 % of each other.", BOTH, "IU", alike_in_time),
+              "KGHJLPOIU", slowest_by_far, times=True),
+    Statement(6, "I and U are within 25 % of each other.", BOTH, "IU", alike_in_time, times=True),
     Statement(7, "The times of G, H, O, L do not follow the number of hits.", ("falling",), "GHOL", apart_from_hits),
     Statement(8, "Those of L and J grow with the square of the number of bodies.", ("box",), "LJ", grows_with_square),
     Statement(9, "H reports the most.", BOTH, "HGJKLPOIU", reports_most),
@@ -458,6 +473,22 @@ STATEMENTS = [
 ]  # fmt: skip
 
 
+def as_published(scene, kind, labels):
+    """`scene` with the mean times of the thesis's procedures under `labels`. Raises NotTestable where one is not in the
+    file."""
+    mean = scene.summary.time_mean_ns.copy()
+    for label in labels:
+        if label in scene.twins:
+            twin = scene.twins[label]
+            if not twin:
+                raise NotTestable(
+                    f'{label} of the {kind} file has search = "indexed", which answers alike in another time than the '
+                    "thesis's procedure; add a label with search = exhaustive"
+                )
+            mean[label] = scene.summary.time_mean_ns[twin]
+    return replace(scene, summary=scene.summary.assign(time_mean_ns=mean))
+
+
 def judged(statement, scenes, careful=False):
     """The Verdict on a statement. scenes: kind -> Playground or Timed. careful: on the careful labels where there are
     any."""
@@ -473,6 +504,8 @@ def judged(statement, scenes, careful=False):
         for scene, kind in zip(found, statement.scenes):
             if missing := [label for label in labels if label not in scene.labels]:
                 raise NotTestable(f"the {kind} file has no answers of {', '.join(missing)}")
+        if statement.times:
+            found = [as_published(scene, kind, labels) for scene, kind in zip(found, statement.scenes)]
         holds, figures = statement.judge(*found, *labels)
         verdict = "confirmed" if holds else "refuted"
     except NotTestable as why:

@@ -16,6 +16,7 @@ from analysis.drawing import (
     correlation,
     digits,
     full,
+    heads,
     label_ends,
     left_out,
     listed,
@@ -64,6 +65,7 @@ def time_per_step(run, kind, key):
     """All algorithms over the steps, one axis."""
     steps = steps_of(run)
     drawn = chosen(run)
+    names = full(run, drawn)
     if not (steps.time_ns[:, [steps.labels.index(label) for label in drawn]] > 0).any():
         raise NotDrawn("the file's times are all 0")
     fig, axes = figure(height=4.6)
@@ -72,7 +74,7 @@ def time_per_step(run, kind, key):
         look = style(algorithm(run, label))
         middle, times = binned(steps.time_ns[:, steps.labels.index(label)] / 1e9, np.median)
         axes.plot(middle, times, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)
-        ends.append((times[-1], full(run, label), look["color"]))
+        ends.append((times[-1], names[label], look))
     log_seconds(axes)
     axes.set_xlabel("step")
     axes.set_ylabel("time per step")
@@ -119,15 +121,16 @@ def hits_per_step(run, kind, key):
     """Pairs reported over the steps, beside those that meet."""
     steps = steps_of(run)
     drawn = chosen(run, times=False)
+    names = full(run, drawn)
     fig, axes = figure(height=4.6)
     middle, truth = binned(steps.truth, np.mean)
     axes.fill_between(middle, truth, color=TRUTH, linewidth=0)
-    ends = [(truth[-1], "truly meet", "#777777")]
+    ends = [(truth[-1], "truly meet", {"color": "#777777"})]
     for label in drawn:
         look = style(algorithm(run, label))
         _, hits = binned(steps.hits[:, steps.labels.index(label)], np.mean)
         axes.plot(middle, hits, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)
-        ends.append((hits[-1], full(run, label), look["color"]))
+        ends.append((hits[-1], names[label], look))
     axes.set_yscale("symlog", linthresh=1, linscale=0.4)
     axes.yaxis.set_major_formatter("{x:g}")
     axes.set_ylim(bottom=0)
@@ -208,6 +211,7 @@ def curves_together(run, kind, key):
     """Per algorithm, time, hits and bodies over the steps, each by its own mean: do the curves have one form?"""
     steps = steps_of(run)
     drawn = chosen(run)
+    names = heads(run, drawn)
     table = follows_table(steps)
     r = table["r, all bodies there"]
     fig, axes = panels(figure, len(drawn))
@@ -224,7 +228,7 @@ def curves_together(run, kind, key):
         panel.set_ylim(0, 3)
         panel.set_yticks([0, 1, 2, 3])
         panel.xaxis.set_major_locator(MaxNLocator(3, integer=True))
-        panel.set_title(f"{full(run, label)}", fontsize=9)
+        panel.set_title(names[label], fontsize=9)
         note = "r: no variation" if np.isnan(r[label]) else f"r = {r[label]:.2f}"
         panel.text(0.04, 0.93, note, transform=panel.transAxes, va="top", fontsize=9)
     handles = {name: line for panel in axes for line, name in zip(*panel.get_legend_handles_labels())}
@@ -247,6 +251,7 @@ def time_against_hits(run, kind, key):
     """Per algorithm a dot per step; axes of its own, for hits and times differ a thousandfold between algorithms."""
     steps = steps_of(run)
     drawn = chosen(run)
+    names = heads(run, drawn)
     table = follows_table(steps)
     if table["ns per hit"].isna().all():
         raise NotDrawn("no algorithm's hits and time vary")
@@ -267,7 +272,7 @@ def time_against_hits(run, kind, key):
         panel.xaxis.set_major_locator(MaxNLocator(3, integer=True))
         panel.yaxis.set_major_locator(MaxNLocator(3))
         seconds(panel.yaxis)
-        panel.set_title(full(run, label), fontsize=9)
+        panel.set_title(names[label], fontsize=9)
     if steps.grows:
         bar = fig.colorbar(dots, ax=list(axes), location="top", aspect=60, pad=0.01)
         bar.set_label("bodies", fontsize=9)
@@ -296,6 +301,7 @@ def time_against_bodies(run, kind, key):
     if not steps.grows:
         raise NotDrawn(f"the number of bodies, {steps.bodies.max()}, does not change")
     drawn = chosen(run)
+    names = full(run, drawn)
     median = pd.DataFrame(steps.time_ns, columns=steps.labels).groupby(steps.bodies).median()
     median = median[median.index > 0]
     power = exponents(median)
@@ -304,7 +310,7 @@ def time_against_bodies(run, kind, key):
     for label in drawn:
         look = style(algorithm(run, label))
         axes.plot(median.index, median[label] / 1e9, **look, markevery=max(1, len(median) // 6), markersize=5)
-        ends.append((median[label].iloc[-1] / 1e9, named(full(run, label), power[label]), look["color"]))
+        ends.append((median[label].iloc[-1] / 1e9, named(names[label], power[label]), look))
     axes.set_xscale("log")
     low, high = median.index[[0, -1]]
     between = {tick for tick in (2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000) if low * 1.3 < tick < high / 1.3}

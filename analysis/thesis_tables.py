@@ -8,6 +8,7 @@ import pandas as pd
 from analysis import thresholds as t
 from analysis.drawing import NotDrawn, caption, comparable, digits, key, log_seconds, steps_of
 from analysis.figure import PALETTE, Figure, Table, figure, svg_of
+from analysis.scenes import twins
 from analysis.statements import CAREFUL, KEYS, shown, verdicts
 
 # Mean milliseconds per step, Babylon.js in a browser: letter -> (table 5.1, the box; table 5.2, the falling scene).
@@ -23,6 +24,7 @@ THESIS_MS = {
     "K": (80.7932, 2128.7772),
 }
 TABLE = {"box": "5.1", "falling": "5.2"}
+OTHER = "other procedure"
 
 
 def spearman(x, y):
@@ -46,63 +48,73 @@ def kendall(x, y):
 def means_table(run, kind):
     """One row per algorithm of the thesis that the file has as published, fastest in the thesis first.
 
-    Columns: thesis ms, this run ms, JS / C++ (ratio), thesis rank, rank. Raises NotDrawn when there are fewer than two.
+    Columns: key, timed (the label), thesis ms, this run ms, JS / C++ (ratio), rank in the thesis, rank here. What is
+    timed in another procedure than the thesis's has neither ratio nor ranks and its timed says so. Raises NotDrawn when
+    fewer than two have them.
     """
     if kind not in TABLE:
         raise NotDrawn("the thesis has mean times of the box and the falling scene only")
     steps = steps_of(run)
     letters = {key(run, label): label for label in comparable(run)}
+    twin = twins(run)
     rows = {}
     for letter, milliseconds in THESIS_MS.items():
         if label := letters.get(letter):
-            mean = steps.time_ns[:, steps.labels.index(label)].mean() / 1e6
+            timed = twin.get(label, label)
+            mean = steps.time_ns[:, steps.labels.index(timed or label)].mean() / 1e6
             if mean > 0:
-                rows[label] = (letter, milliseconds[kind == "falling"], mean)
-    if len(rows) < 2:
-        raise NotDrawn(f"the file has {len(rows) or 'none'} of the thesis's nine algorithms as published, timed")
-    table = pd.DataFrame.from_dict(rows, orient="index", columns=["key", "thesis ms", "this run ms"])
+                rows[label] = (letter, timed or OTHER, milliseconds[kind == "falling"], mean)
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=["key", "timed", "thesis ms", "this run ms"])
+    same = table.timed != OTHER
+    if same.sum() < 2:
+        raise NotDrawn(f"the file has {same.sum() or 'none'} of the thesis's nine algorithms as published, timed")
     table = table.sort_values("thesis ms").rename_axis("algorithm")
-    table["JS / C++"] = table["thesis ms"] / table["this run ms"]
-    table["rank in the thesis"] = table["thesis ms"].rank().astype(int)
-    table["rank here"] = table["this run ms"].rank(method="min").astype(int)
+    table["JS / C++"] = (table["thesis ms"] / table["this run ms"]).where(same)
+    table["rank in the thesis"] = table["thesis ms"].where(same).rank().astype("Int64")
+    table["rank here"] = table["this run ms"].where(same).rank(method="min").astype("Int64")
     return table
 
 
 def means_figure(run, kind, name):
     """The thesis's mean times and this run's, one row per algorithm."""
     table = means_table(run, kind)
-    rho, tau = (rank(table["thesis ms"], table["this run ms"]) for rank in (spearman, kendall))
+    same = (table.timed != OTHER).to_numpy()
+    compared = table[same]
+    rho, tau = (rank(compared["thesis ms"], compared["this run ms"]) for rank in (spearman, kendall))
     fig, axes = figure(height=0.34 * len(table) + 1.2)
     rows = np.arange(len(table))[::-1]
     theirs, ours = table["thesis ms"].to_numpy() / 1e3, table["this run ms"].to_numpy() / 1e3
-    axes.hlines(rows, ours, theirs, color="#BBBBBB", linewidth=1.5)
+    axes.hlines(rows[same], ours[same], theirs[same], color="#BBBBBB", linewidth=1.5)
     axes.plot(theirs, rows, "o", color=PALETTE["orange"], label="thesis, JavaScript")
-    axes.plot(ours, rows, "s", color=PALETTE["blue"], label="this run, C++")
-    for row, right, ratio in zip(rows, theirs, table["JS / C++"]):
-        axes.annotate(f"{digits(ratio)}×", (right, row), xytext=(8, 0), textcoords="offset points", va="center",
-                      fontsize=9)  # fmt: skip
+    axes.plot(ours[same], rows[same], "s", color=PALETTE["blue"], label="this run, C++")
+    if not same.all():
+        look = {"color": PALETTE["blue"], "markerfacecolor": "white", "markeredgewidth": 1.3}
+        axes.plot(ours[~same], rows[~same], "s", **look, label="C++, other procedure")
+    for row, right, ratio in zip(rows, np.maximum(ours, theirs), table["JS / C++"]):
+        said = OTHER if np.isnan(ratio) else f"{digits(ratio)}×"
+        axes.annotate(said, (right, row), xytext=(8, 0), textcoords="offset points", va="center", fontsize=9)
     axes.set_yticks(rows, [f"{letter} {label}" for label, letter in table.key.items()])
     log_seconds(axes, "x")
-    axes.set_xlim(right=axes.get_xlim()[1] * 4)
+    axes.set_xlim(right=axes.get_xlim()[1] * (4 if same.all() else 12))
     axes.set_xlabel("mean time per step")
     axes.grid(axis="y", visible=False)
     fig.suptitle(" ", fontsize=9)  # room for the legend
-    fig.legend(loc="upper center", ncol=2, fontsize=9, frameon=False, borderaxespad=0.1)
+    fig.legend(loc="upper center", ncol=3, fontsize=9, frameon=False, borderaxespad=0.1)
 
-    moved = (table["rank here"] - table["rank in the thesis"]).abs()
+    moved = (compared["rank here"] - compared["rank in the thesis"]).abs()
     if np.isnan(rho):
         title = f"All mean times are equal here, so their order cannot be compared with table {TABLE[kind]}"
     else:
         title = f"The order of mean times and that of table {TABLE[kind]} have rank correlation "
-        title += f"{rho:.2f} (Spearman; Kendall {tau:.2f}; n = {len(table)})"
+        title += f"{rho:.2f} (Spearman; Kendall {tau:.2f}; n = {len(compared)})"
     if moved.max() and not np.isnan(rho):
         label = moved.idxmax()
         title += f"; {label} moves most, from place {table['rank in the thesis'][label]} to {table['rank here'][label]}"
-    low, high = table["JS / C++"].min(), table["JS / C++"].max()
+    low, high = compared["JS / C++"].min(), compared["JS / C++"].max()
     title += f"; the thesis's JavaScript took {digits(low)} to {digits(high)} times as long as C++ here"
     what = (
         "Two machines on one axis: the thesis's means come from its own computer and browser and scenes of its own "
-        f"length, so only orders and ratios say something. n = {len(table)} algorithms, "
+        f"length, so only orders and ratios say something. n = {len(compared)} algorithms, "
         f"{run.meta['steps']} steps; numbers at the right are JavaScript's time over that of C++."
     )
     return Figure(title, svg_of(fig), caption(run, what, f"table {TABLE[kind]}"), table, name)

@@ -33,7 +33,7 @@
   const name = (body) => data.bodies[body].name;
   const listed = data.containment === "record" ? ["fn", "fp", "inside", "tp"] : ["fn", "fp", "tp"];
 
-  // x y z of the middle of the body's mesh, in drawn coordinates; null when it is not there.
+  // x y z of the middle of the body's mesh, in drawn coordinates (data.unit metres about data.centre); null when it is not there.
   function place(body, k = state.k) {
     const i = 7 * (k * data.bodies.length + body);
     return isFinite(poses[i + 4]) && isFinite(poses[i]) ? [poses[i + 4], poses[i + 5], poses[i + 6]] : null;
@@ -190,7 +190,7 @@
     ];
     if (at) {
       const off = turn(body, meshes[mesh].centre); // the pose's position is that of the mesh's origin
-      rows.push(["position", at.map((x, c) => number(x + data.centre[c] - off[c])).join("  ") + " m"]);
+      rows.push(["position", at.map((x, c) => number(x * data.unit + data.centre[c] - off[c])).join("  ") + " m"]);
     } else rows.push(["position", born < 0 || step() < born ? "not born yet" : "lost: the motion failed"]);
     if (born > 0) rows.push(["born", `at step ${born}`]);
     const partners = listed.flatMap((kind) => now[kind].filter((p) => p.includes(body)).map((p) => [p, kind]));
@@ -254,7 +254,7 @@
     if (measured && measured.pairs)
       rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn in black`]);
     else if (measured && measured.gap)
-      rows.push(["surfaces", `${number(measured.gap.distance)} m apart${within ? " (inside)" : ""}, drawn in black`]);
+      rows.push(["surfaces", `${number(measured.gap.distance * data.unit)} m apart${within ? " (inside)" : ""}, drawn in black`]);
     for (const one of algorithms) {
       if (!here) break;
       const has = (list) => keys(list.at(state.k)).has(key(pair));

@@ -10,11 +10,10 @@ import html
 import json
 import pathlib
 
-import h5py
 import numpy as np
 
 from analysis.load import load
-from analysis.output import refuse, write
+from analysis.output import refuse, say, write
 
 HERE = pathlib.Path(__file__).parent
 THREE_JS = [
@@ -39,7 +38,7 @@ class Uninstalled(Unfit):
 
 
 def add_command(commands):
-    """Adds the command `scene` to the subparsers of python3 -m analysis."""
+    """Adds the command `scene` to the subparsers of scripts/analysis."""
     command = commands.add_parser("scene", help="a page that shows the bodies of a step in 3D, wrong answers coloured")
     command.add_argument("file", help="a result")
     command.add_argument("--step", type=int, help="opens there; without it where the algorithm errs most")
@@ -47,7 +46,7 @@ def add_command(commands):
     command.add_argument("--steps", type=_window, metavar="A:B",
                          help=f"holds the steps A to B - 1; without it {AROUND} on either side of --step")  # fmt: skip
     command.add_argument("-o", "--output", metavar="PAGE", help="without it <name of the result>_step<K>.html here")
-    command.set_defaults(act=lambda chosen: print(write_page(chosen)))
+    command.set_defaults(act=lambda chosen: say(write_page(chosen)))
 
 
 def _window(text):
@@ -69,7 +68,7 @@ def write_page(chosen):
     if chosen.output:
         refuse(chosen.output)  # before the work
     try:
-        page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps)
+        page, step = step_page(chosen.file, chosen.step, chosen.algorithm, chosen.steps, chosen.unsealed)
     except (OSError, KeyError, ValueError, RuntimeError) as error:  # h5py does not name the file
         text = str(error.args[0] if error.args else error)
         raise OSError(text if text.startswith(chosen.file) else f"{chosen.file}: is damaged ({text})") from error
@@ -78,14 +77,14 @@ def write_page(chosen):
     return path
 
 
-def step_page(path, step=None, label=None, window=None):
+def step_page(path, step=None, label=None, window=None, unsealed=False):
     """The page as text, and the step that it opens at.
 
     step: None for the step at which the algorithm has the most wrong answers; label: None for the first algorithm;
     window: slice of steps, None for AROUND on either side of step. Raises OSError or ValueError when the file is not a
     result, Unfit when a value does not fit it, Uninstalled when three.js is not there.
     """
-    run = load(path)
+    run = load(path, unsealed)
     steps, labels = run.meta["steps"], run.meta["algorithms"]
     if not steps or not run.meta["bodies"]:
         raise Unfit(f"{path}: has no {'bodies' if steps else 'steps'}; there is nothing to show")
@@ -108,7 +107,7 @@ def step_page(path, step=None, label=None, window=None):
         if not first <= step < end:
             raise Unfit(f"--step {step}: is not among --steps {first}:{end}")
         size = _window_bytes(run, first, end)
-    with h5py.File(path) as file:
+    with run.opened() as file:
         size += sum(12 * (mesh["vertices"].shape[0] + mesh["triangles"].shape[0]) for mesh in file["meshes"].values())
     if size > MOST_BYTES:
         raise Unfit(f"{path}: meshes and steps {first}:{end} would make a page of {size / 2**20:.0f} MiB, at most "
@@ -123,7 +122,7 @@ def _colon(window):
 
 def _wrong_per_step(run):
     """label -> (false positives, false negatives) per step, as counted by the run."""
-    with h5py.File(run.path) as file:
+    with run.opened() as file:
         if "results" not in file:
             return {}
         counts = [file["results"][name][()] for name in ("false_positive", "false_negative")]
@@ -151,7 +150,7 @@ def _worst(wrong, steps):
 
 def _window_bytes(run, first, end):
     """Bytes of the window's poses and pairs before base64, seven floats a pose and at most four bytes a pair's end."""
-    with h5py.File(run.path) as file:
+    with run.opened() as file:
         pairs = int(np.diff(file["truth/pair_offset"][()][[first, end]].astype(np.int64))[0])
         for label in run.meta["algorithms"]:
             pairs += int(np.diff(file[f"answers/{label}/pair_offset"][()][[first, end]].astype(np.int64))[0])
@@ -159,8 +158,9 @@ def _window_bytes(run, first, end):
 
 
 def _page_data(run, first, end):
-    """What viewer.js draws, in metres; positions and vertices are Float32 about centres taken off in doubles."""
-    with h5py.File(run.path) as file:
+    """What viewer.js draws: positions and vertices are Float32, in units of `unit` metres about centres taken off in
+    doubles. A mesh's centre and the scene's are in metres."""
+    with run.opened() as file:
         position = file["motion/position"][first:end]
         orientation = file["motion/orientation"][first:end]
         truth = _pair_sets(file["truth"], first, end)
@@ -180,12 +180,14 @@ def _page_data(run, first, end):
     big = table["fixed"].to_numpy() & (radius > BIG * (np.median(moving) if len(moving) else np.inf))
     number = [names.index(mesh) for mesh in mesh_of]
     local = np.array([meshes[n]["centre"] for n in number])
-    for mesh in meshes:
-        mesh["centre"] = mesh["centre"].tolist()
     at = turned(orientation, local) + position
     born = at[np.isfinite(at).all(axis=-1)]
     centre = np.median(born, axis=0) if len(born) else np.zeros(3)
-    poses = np.concatenate([orientation, at - centre], axis=-1)
+    unit = _unit([np.abs(mesh["vertices"]).max() for mesh in meshes], np.abs(born - centre).max(initial=0))
+    poses = np.concatenate([orientation, (at - centre) / unit], axis=-1)
+    for mesh in meshes:
+        mesh["centre"] = mesh["centre"].tolist()
+        mesh["vertices"] = _base64((mesh["vertices"] / unit).astype("<f4"))
     wide = len(mesh_of) > 0xFFFF
     kinds = {}
     for label, reported in answers.items():
@@ -206,6 +208,7 @@ def _page_data(run, first, end):
         "steps": run.meta["steps"],
         "rate": run.meta["rate"],
         "centre": centre.tolist(),
+        "unit": unit,
         "containment": str(containment),
         "meshes": meshes,
         "bodies": [
@@ -224,6 +227,22 @@ def _page_data(run, first, end):
     }  # fmt: skip
 
 
+def _unit(sizes, far):
+    """The length in metres that is drawn as 1, a power of two, so that the division rounds nothing.
+
+    Graphics cards reckon in single precision, and a normal is the product of two edges whose length is squared: below
+    some 1e-8 that is 0 and the surface black, above 1e11 infinite. So the least size and the greatest length lie as
+    far below 1 as above; where they are too far apart, what is small is given up, never what is large.
+    sizes: of meshes, half their greatest side; far: how far from the scene's middle bodies are.
+    """
+    sizes = [float(size) for size in sizes if size > 0]
+    most = max([*sizes, float(far)])
+    if most == 0:
+        return 1.0
+    between = (np.log2(min(sizes, default=most)) + np.log2(most)) / 2
+    return float(2.0 ** np.round(max(between, np.log2(most) - 30)))
+
+
 def turned(quaternion, vector):
     """Vectors (..., 3) turned by unit quaternions (..., 4) w x y z, in doubles."""
     axis, w = quaternion[..., 1:], quaternion[..., :1]
@@ -238,7 +257,7 @@ def _mesh(name, group):
     return {
         "name": name,
         "centre": centre,
-        "vertices": _base64((vertices - centre).astype("<f4")),
+        "vertices": vertices - centre,
         "triangles": _base64(triangles.astype("<u4")),
     }
 

@@ -10,13 +10,19 @@
 
 namespace geometry {
 
+/// Where nothing else is said: eight steps of a float at the mesh's greatest coordinate, about the last of six decimal
+/// digits. Exporters that compute a corner twice differ by roundings of doubles (2^-50 of the size, 1e-34 m where a
+/// sine should be 0) or, in binary STL, by those of floats; details that a mesh means are larger.
+inline constexpr double kClosedWithin = 0x1p-20;
+
 /// Everything about the bodies that does not change from step to step. Columns have one entry per body.
 struct Bodies {
-  std::vector<Mesh> meshes;          // distinct meshes, shared by bodies
-  std::vector<std::string> name;     // unique
-  std::vector<std::uint32_t> mesh;   // index into `meshes`
-  std::vector<std::uint8_t> fixed;   // 1: never moves
-  std::vector<std::uint8_t> chosen;  // empty: all pairs count; else a pair counts when one of its bodies has 1 here
+  std::vector<Mesh> meshes;              // distinct meshes, shared by bodies
+  std::vector<std::string> name;         // unique
+  std::vector<std::uint32_t> mesh;       // index into `meshes`
+  std::vector<std::uint8_t> fixed;       // 1: never moves
+  std::vector<std::uint8_t> chosen;      // empty: all pairs count; else a pair counts when one of its bodies has 1 here
+  double closed_within = kClosedWithin;  // of a mesh's size: corners that count as one (geometry/contain.hpp); 0: none
 
   std::size_t size() const { return mesh.size(); }
   const Mesh& mesh_of(std::uint32_t body) const { return meshes[mesh[body]]; }
@@ -26,6 +32,12 @@ struct Bodies {
 struct Pair {
   std::uint32_t a = 0, b = 0;
   auto operator<=>(const Pair&) const = default;
+};
+
+/// A pair of which one body lies wholly inside the other (geometry/contain.hpp).
+struct Contained {
+  Pair pair;
+  std::uint32_t inside = 0;  // the body that is: one of the two
 };
 
 /// The pairs (a, b) with first <= b < last; a < first. A step's pairs as runs take memory by the body, not by the pair.

@@ -42,6 +42,12 @@ Box world_box(const Enclosure& mesh, const Placement& at);
 /// The placement of a pose. NaN throughout for a body that is not born.
 Placement placement(const Enclosure& mesh, const Pose& pose);
 
+/// Bytes of a BroadPhase, about: of a body its placement, its box, its places in the sweep and about two near pairs.
+inline std::uint64_t broad_phase_bytes(const Bodies& bodies) {
+  constexpr std::uint64_t kSweep = 160;
+  return bodies.size() * (sizeof(Placement) + sizeof(Box) + kSweep) + bodies.meshes.size() * sizeof(Enclosure);
+}
+
 /// Boxes and near pairs of one step after another. What it keeps from the step before makes it faster and decides
 /// nothing. No allocation once the vectors have grown.
 class BroadPhase {

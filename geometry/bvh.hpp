@@ -37,6 +37,13 @@ struct Bvh {
 
 Bvh build_bvh(const Mesh& mesh);
 
+/// Bytes of the hierarchy of so many facets, about: 1.4 nodes a facet (measured: 1.3 to 1.5). While it is built about
+/// kBuildingBvh times as many.
+inline std::uint64_t bvh_bytes(std::uint64_t facets) {
+  return facets * (14 * (sizeof(Bvh::Node) + sizeof(Bvh::Bound)) / 10 + sizeof(std::uint32_t));
+}
+constexpr double kBuildingBvh = 2.5;
+
 /// The box of every node for these world vertices. `boxes` has the size of `bvh.nodes`.
 void refit(const Bvh& bvh, const Mesh& mesh, std::span<const Vec3> world, std::span<Box> boxes);
 

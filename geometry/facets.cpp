@@ -15,9 +15,13 @@ Vec3 facet_point(const Mesh& mesh, const Facet& facet) {
   return {((a.x() + b.x()) + c.x()) / 3.0, ((a.y() + b.y()) + c.y()) / 3.0, ((a.z() + b.z()) + c.z()) / 3.0};
 }
 
+std::size_t point_count(std::size_t facets, std::size_t stride) { return facets == 0 ? 0 : 1 + (facets - 1) / stride; }
+
 Points facet_points(const Mesh& mesh, std::size_t stride) {
   assert(stride >= 1 && "a stride is at least 1");
   Points points;
+  const std::size_t size = point_count(mesh.triangles.size(), stride);
+  for (auto* column : {&points.x, &points.y, &points.z}) column->reserve(size);
   // Counted by what is left, so that a huge stride cannot overflow the index.
   for (std::size_t i = 0; i < mesh.triangles.size();) {
     points.add(facet_point(mesh, mesh.triangles[i]));
@@ -39,11 +43,11 @@ double box_surface(const Mesh& mesh) {
   return 2 * ((a * b + b * c) + c * a);
 }
 
-Mesh densified(const Mesh& mesh, double facets_per_area) {
+std::uint32_t parts_of_density(const Mesh& mesh, double facets_per_area) {
   const auto facets = static_cast<double>(mesh.triangles.size());
-  if (mesh.triangles.empty()) return mesh;
+  if (mesh.triangles.empty()) return 1;
   const double wanted = facets_per_area * box_surface(mesh);
-  if (!(facets < wanted)) return mesh;
+  if (!(facets < wanted)) return 1;
   // Asked first: the search below is then short, also for a surface beyond all numbers.
   const auto refuse = [&mesh] {
     throw std::invalid_argument("mesh '" + mesh.name + "' would be made denser than " + std::to_string(kMostFacets) +
@@ -55,12 +59,24 @@ Mesh densified(const Mesh& mesh, double facets_per_area) {
   while (parts > 1 && facets * (parts - 1) * (parts - 1) >= wanted) --parts;
   while (facets * parts * parts < wanted) ++parts;
   if (facets * parts * parts > kMostFacets) refuse();
-  const auto m = static_cast<std::uint32_t>(parts);
+  return static_cast<std::uint32_t>(parts);
+}
+
+std::uint64_t dense_bytes(const Mesh& mesh, std::uint64_t parts) {
+  const std::uint64_t facets = mesh.triangles.size();
+  const std::uint64_t vertices = parts == 1 ? mesh.vertices.size() : facets * (parts + 1) * (parts + 2) / 2;
+  return sizeof(Vec3) * vertices + sizeof(Facet) * facets * parts * parts;
+}
+
+Mesh densified(const Mesh& mesh, double facets_per_area) {
+  const std::uint32_t m = parts_of_density(mesh, facets_per_area);
   if (m == 1) return mesh;
+  const double parts = m;
 
   Mesh dense = mesh;
   dense.vertices.clear();
   dense.triangles.clear();
+  dense.vertices.reserve(mesh.triangles.size() * (m + 1) * (m + 2) / 2);
   dense.triangles.reserve(mesh.triangles.size() * m * m);
   for (const Facet& facet : mesh.triangles) {
     const auto base = static_cast<std::uint32_t>(dense.vertices.size());
@@ -99,9 +115,14 @@ std::size_t stride_of_density(std::size_t facets, double facets_per_area, double
   return static_cast<std::size_t>(std::min(stride, static_cast<double>(facets)));
 }
 
+std::size_t triangle_count(std::size_t points, Triangulation triangulation) {
+  return points < 3 ? 0 : triangulation == Triangulation::disjoint ? points / 3 : points - 2;
+}
+
 std::vector<std::uint32_t> sampled_triangles(std::size_t points, Triangulation triangulation) {
   std::vector<std::uint32_t> first;
   const std::size_t step = triangulation == Triangulation::disjoint ? 3 : 1;
+  first.reserve(triangle_count(points, triangulation));
   for (std::size_t i = 0; i + 3 <= points; i += step) first.push_back(static_cast<std::uint32_t>(i));
   return first;
 }
@@ -143,6 +164,13 @@ bool PlacedPoints::place(std::uint32_t body) {
   const Vec3& t = poses_[body].t;
   for (std::size_t i = 0; i < local.size(); ++i) world_[body].set(i, to_world(r, t, local.at(i)));
   return true;
+}
+
+std::uint64_t PlacedPoints::bytes(const Bodies& bodies, std::span<const std::size_t> points) {
+  std::uint64_t sum = bodies.size() * (sizeof(std::uint32_t) + sizeof(Points) + sizeof(Pose) + sizeof(std::uint8_t));
+  for (const std::size_t count : points) sum += sizeof(Points) + sizeof(Vec3) * count;
+  for (const std::uint32_t mesh : bodies.mesh) sum += sizeof(Vec3) * points[mesh];
+  return sum;
 }
 
 std::size_t PlacedPoints::most() const {

@@ -42,6 +42,9 @@ Vec3 facet_point(const Mesh& mesh, const Facet& facet);
 /// The points of the facets 0, stride, 2 stride, ...: a stride beyond the last facet leaves facet 0. stride >= 1.
 Points facet_points(const Mesh& mesh, std::size_t stride);
 
+/// How many points that are.
+std::size_t point_count(std::size_t facets, std::size_t stride);
+
 /// Every point times `factor`: larger (factor > 1) about the body's origin, not about the points' middle.
 Points inflated(Points points, double factor);
 
@@ -56,6 +59,12 @@ double box_surface(const Mesh& mesh);
 /// std::invalid_argument when more than kMostFacets would be needed.
 Mesh densified(const Mesh& mesh, double facets_per_area);
 inline constexpr std::size_t kMostFacets = 20'000'000;  // about a gigabyte of points and indices
+
+/// How many parts `densified` cuts each edge into, without doing it; throws the same.
+std::uint32_t parts_of_density(const Mesh& mesh, double facets_per_area);
+
+/// Bytes of the mesh whose edges are cut into so many parts.
+std::uint64_t dense_bytes(const Mesh& mesh, std::uint64_t parts);
 
 /// The thesis's density, facets per m^2 of box_surface: "at least eight times greater than the surface" (3.1).
 inline constexpr double kFacetsPerArea = 8;
@@ -72,6 +81,9 @@ enum class Triangulation {
   disjoint,  // (0,1,2), (3,4,5), ...; one or two last points may be left over
   strip      // (0,1,2), (1,2,3), ...
 };
+
+/// How many triangles so many points make.
+std::size_t triangle_count(std::size_t points, Triangulation triangulation);
 
 /// The first point of each triangle; triangle i is first[i], first[i] + 1, first[i] + 2. None for fewer than 3 points.
 std::vector<std::uint32_t> sampled_triangles(std::size_t points, Triangulation triangulation);
@@ -103,6 +115,9 @@ class PlacedPoints {
 
   /// The most points any body has.
   std::size_t most() const;
+
+  /// Bytes of it, for so many points of each distinct mesh.
+  static std::uint64_t bytes(const Bodies& bodies, std::span<const std::size_t> points);
 
  private:
   std::vector<std::uint32_t> mesh_;   // #bodies

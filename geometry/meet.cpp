@@ -48,7 +48,7 @@ void Decision::prepare(std::span<const Pose> poses) {
   for (Placed& placed : placed_) placed.forget();  // or a step asked twice would place less the second time
 }
 
-void Decision::hits(std::span<const PairRun> runs, std::vector<Pair>& out, std::vector<Pair>* contained) {
+void Decision::hits(std::span<const PairRun> runs, std::vector<Pair>& out, std::vector<Contained>* contained) {
   assert((!contained || solids_.size() == bodies_.meshes.size()) && "containment needs a solid per distinct mesh");
   broad_.pairs(runs, near_);
   operations_ = broad_.comparisons() + near_.size();
@@ -63,14 +63,16 @@ void Decision::hits(std::span<const PairRun> runs, std::vector<Pair>& out, std::
     if (close.useful && spheres_apart(a, b, close)) continue;
     if (decide(a, b, close, lesson))
       out.push_back(pair);
-    else if (contained && (is_contained(a, pair.a, b, pair.b) || is_contained(b, pair.b, a, pair.a)))
-      contained->push_back(pair);
+    else if (contained && is_contained(a, pair.a, b, pair.b))
+      contained->push_back({pair, pair.a});
+    else if (contained && is_contained(b, pair.b, a, pair.a))
+      contained->push_back({pair, pair.b});
     learned_.push_back(lesson);
   }
 }
 
 std::vector<Pair> Decision::hits(std::span<const Pose> poses, std::span<const PairRun> runs,
-                                 std::vector<Pair>* contained) {
+                                 std::vector<Contained>* contained) {
   if (contained) contained->clear();
   std::vector<Pair> out;
   prepare(poses);
@@ -189,14 +191,32 @@ bool Decision::leaves_meet(const Body& a, const Body& b, NodePair leaves, Lesson
 
 /// Whether a, whose surface shares no point with b's, lies inside b.
 bool Decision::is_contained(const Body& a, std::uint32_t a_index, const Body& b, std::uint32_t b_index) {
+  const Solid &solid = solids_[bodies_.mesh[a_index]], &around = solids_[bodies_.mesh[b_index]];
+  if (!around.closed) return false;
   // Some world vertex outside b's box ends the question at once.
-  const Solid& solid = solids_[bodies_.mesh[a_index]];
   Box first;
   first.add(to_world(a.at.r, a.at.t, a.mesh.vertices[solid.components[0]]));
   if (!touch(first, broad_.box(b_index))) return false;
   placed_[0].place(a);
-  placed_[1].place(b);
-  return placed_inside(solid, placed_[0], b, placed_[1]);
+  if (!around.surface) {
+    placed_[1].place(b);
+    return placed_inside(solid, placed_[0], b, placed_[1]);
+  }
+  const Body closed{around.surface->mesh, around.surface->bvh, b.around, b.at};
+  placed_[2].place(closed);
+  return placed_nested(placed_[0], placed_[2]) &&
+         !placed_meet(a, placed_[0], closed, placed_[2], placed_stack_, operations_) &&
+         placed_inside(solid, placed_[0], closed, placed_[2]);
+}
+
+BvhsBytes bvhs_bytes(const Bodies& bodies) {
+  BvhsBytes out;
+  for (const Mesh& mesh : bodies.meshes) {
+    const std::uint64_t one = bvh_bytes(mesh.triangles.size());
+    out.greatest = std::max(out.greatest, out.held + static_cast<std::uint64_t>(kBuildingBvh * double(one)));
+    out.held += one;
+  }
+  return out;
 }
 
 std::vector<Bvh> build_bvhs(const Bodies& bodies) {

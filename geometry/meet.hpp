@@ -37,9 +37,9 @@ class Decision {
   void prepare(std::span<const Pose> poses);
 
   /// Appends the pairs among `runs` that meet, sorted, to `out`. When `contained` is given, appends to it the sorted
-  /// pairs of which one body is contained in the other (geometry/contain.hpp): none of them meets. All meshes must then
-  /// be closed. No allocation once the vectors have grown.
-  void hits(std::span<const PairRun> runs, std::vector<Pair>& out, std::vector<Pair>* contained = nullptr);
+  /// pairs of which one body is contained in the other (geometry/contain.hpp): none of them meets, and open meshes hold
+  /// nothing. No allocation once the vectors have grown.
+  void hits(std::span<const PairRun> runs, std::vector<Pair>& out, std::vector<Contained>* contained = nullptr);
 
   /// Makes what the last hits() learned the memory that the next ones start from.
   void remember() { std::swap(memory_, learned_); }
@@ -52,7 +52,7 @@ class Decision {
 
   /// One step alone: prepare() and hits(). `contained`, when given, is replaced.
   std::vector<Pair> hits(std::span<const Pose> poses, std::span<const PairRun> runs,
-                         std::vector<Pair>* contained = nullptr);
+                         std::vector<Contained>* contained = nullptr);
 
   /// One pair alone, without memory; the poses of other bodies are not read.
   bool meet(std::span<const Pose> poses, Pair pair);
@@ -84,10 +84,16 @@ class Decision {
   std::vector<Pair> near_;
   std::vector<Lesson> memory_, learned_;  // sorted by pair
   NodePairs placed_stack_;
-  std::array<Placed, 2> placed_;
+  std::array<Placed, 3> placed_;  // two bodies, and the closed surface of one
   std::uint64_t operations_ = 0;
 };
 
 std::vector<Bvh> build_bvhs(const Bodies& bodies);
+
+/// Bytes of build_bvhs, about; `greatest` while it builds.
+struct BvhsBytes {
+  std::uint64_t held = 0, greatest = 0;
+};
+BvhsBytes bvhs_bytes(const Bodies& bodies);
 
 }  // namespace geometry

@@ -12,11 +12,13 @@ Mesh parse_obj(std::string_view text, Builder& out, const std::string& name) {
     out.fail(":" + std::to_string(line), "index " + std::to_string(index) + " is out of range, the file has " +
                                              std::to_string(out.mesh.vertices.size()) + " vertices, counted from 1");
   };
-  while (lines.next(true)) {
+  while (lines.next()) {
     const std::string_view keyword = lines.word();
     if (keyword == "v") {
+      lines.continues();
       out.add_vertex(lines.point(), lines);
-    } else if (keyword == "f") {
+    } else if (keyword == "f" || keyword == "fo") {  // fo: its name in old files
+      lines.continues();
       corners.clear();
       while (!lines.at_end()) {
         const std::int64_t index = lines.integer("the index of a vertex", '/');
@@ -28,10 +30,12 @@ Mesh parse_obj(std::string_view text, Builder& out, const std::string& name) {
         if (from_one > count) ahead.emplace_back(index, lines.line());
         corners.push_back(static_cast<std::uint32_t>(from_one - 1));
       }
-      if (corners.size() < 3) lines.fail("a face must have at least 3 corners");
-      out.add_fan(corners);
-    } else if (keyword == "surf" || keyword == "curv" || keyword == "curv2") {
-      lines.fail("free-form curves and surfaces are not read; save the mesh as polygons");
+      out.add_polygon(corners, lines);
+    } else if (keyword == "l" || keyword == "p" || keyword == "curv" || keyword == "curv2") {
+      out.note("line, point or curve left out", "lines, points or curves left out", lines);
+    } else if (keyword == "surf" || keyword == "bzp" || keyword == "bsp") {
+      out.note("free-form surface left out, as only polygons are read",
+               "free-form surfaces left out, as only polygons are read", lines);
     }
   }
   for (const auto& [index, line] : ahead)

@@ -16,6 +16,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 #include <stdexcept>
 
 namespace geometry::brute_force {
@@ -218,6 +220,85 @@ bool meet(std::span<const Triangle> a, std::span<const Triangle> b) {
       if (touch(s.extent, t.extent) && triangles_meet(s.t, t.t)) return true;
     }
   return false;
+}
+
+std::optional<Mesh> closed_surface(const Mesh& mesh, double closed_within) {
+  if (mesh.triangles.empty()) return std::nullopt;
+  // Places by their coordinates, in order; the edges that were met an odd number of times.
+  using Place = std::array<double, 3>;
+  std::map<Place, std::uint32_t> first;
+  std::vector<std::uint32_t> at(mesh.vertices.size());
+  Extent extent = nothing();
+  for (const Facet& facet : mesh.triangles)
+    for (const std::uint32_t v : facet) {
+      const Vec3& p = mesh.vertices[v];
+      at[v] = first.emplace(Place{p[0], p[1], p[2]}, v).first->second;
+      for (int k = 0; k < 3; ++k) {
+        extent.min[k] = std::min(extent.min[k], p[k]);
+        extent.max[k] = std::max(extent.max[k], p[k]);
+      }
+    }
+  using Edges = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+  const auto odd_edges = [](const std::vector<Facet>& facets) {
+    Edges odd;
+    for (const Facet& f : facets)
+      for (int k = 0; k < 3; ++k) {
+        const auto edge = std::minmax(f[std::size_t(k)], f[std::size_t(k + 1) % 3]);
+        if (edge.first != edge.second && !odd.insert(edge).second) odd.erase(edge);
+      }
+    return odd;
+  };
+  Mesh out = mesh;
+  for (Facet& f : out.triangles)
+    for (std::uint32_t& v : f) v = at[v];
+  const Edges border = odd_edges(out.triangles);
+  if (!border.empty()) {
+    const Vec3 size = extent.max - extent.min;
+    const double width = closed_within * std::max({size[0], size[1], size[2]});
+    if (!std::isfinite(width)) return std::nullopt;
+    const auto far = [&](double a, double b) { return std::abs(a - b) > width; };
+    std::set<std::uint32_t> corners;
+    for (const auto& [v, w] : border) corners.insert({v, w});
+    // Along the axis on which they are spread most, so that few lie within the width of each other.
+    int axis = 0;
+    for (int k = 1; k < 3; ++k)
+      if (size[k] > size[axis]) axis = k;
+    std::multimap<double, std::uint32_t> rest;  // those that are in no group yet
+    for (const std::uint32_t v : corners) rest.emplace(mesh.vertices[v][axis], v);
+    while (!rest.empty()) {
+      std::vector<std::uint32_t> group{rest.begin()->second};  // grows while its members have neighbours
+      rest.erase(rest.begin());
+      for (std::size_t g = 0; g < group.size(); ++g) {
+        const Vec3& p = mesh.vertices[group[g]];
+        auto from = rest.lower_bound(p[axis]);
+        while (from != rest.begin() && !far(std::prev(from)->first, p[axis])) --from;
+        while (from != rest.end() && !far(from->first, p[axis])) {
+          const Vec3& q = mesh.vertices[from->second];
+          const bool near = !far(p[0], q[0]) && !far(p[1], q[1]) && !far(p[2], q[2]);
+          if (near) group.push_back(from->second);
+          from = near ? rest.erase(from) : std::next(from);
+        }
+      }
+      std::vector<Place> places;
+      for (const std::uint32_t v : group)
+        places.push_back({mesh.vertices[v][0], mesh.vertices[v][1], mesh.vertices[v][2]});
+      bool fits = true;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto [low, high] = std::ranges::minmax(places, {}, [&](const Place& p) { return p[k]; });
+        fits = fits && !far(low[k], high[k]);
+      }
+      const std::uint32_t least = first.at(std::ranges::min(places));
+      if (fits)
+        for (const std::uint32_t v : group) at[v] = least;
+    }
+    for (Facet& f : out.triangles)
+      for (std::uint32_t& v : f) v = at[v];
+    if (!odd_edges(out.triangles).empty()) return std::nullopt;
+  }
+  std::erase_if(out.triangles, [](const Facet& f) { return f[0] == f[1] || f[1] == f[2] || f[2] == f[0]; });
+  if (out.triangles.empty()) return std::nullopt;
+  if (border.empty()) return mesh;
+  return out;
 }
 
 bool contained(std::span<const Triangle> inner, std::span<const Triangle> outer) {

@@ -5,6 +5,7 @@
 // facets, and world vertices are computed from the definition written out again. The only short cut is the comparison
 // of coordinates, which is exact for doubles. It is slow, some 10 us a pair of triangles, and meant to be.
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,9 +45,13 @@ bool nested(const Extent& inner, const Extent& outer);
 /// True when some triangle of `a` meets some triangle of `b`.
 bool meet(std::span<const Triangle> a, std::span<const Triangle> b);
 
+/// The closed surface of a mesh by the definition of geometry/contain.hpp: the mesh itself where it is closed by its
+/// coordinates, else with corners of open edges joined that lie within `closed_within` of its size; nothing when it is
+/// open all the same.
+std::optional<Mesh> closed_surface(const Mesh& mesh, double closed_within);
+
 /// True when every corner of `inner` is inside `outer` by the parity rule, for surfaces that do not meet: then nothing
-/// of `inner` is elsewhere. `outer` is closed: its every edge, by coordinates, belongs to an even number of facets.
-/// Without triangles nothing is contained.
+/// of `inner` is elsewhere. `outer` is a closed surface. Without triangles nothing is contained.
 bool contained(std::span<const Triangle> inner, std::span<const Triangle> outer);
 
 /// The pairs among `runs` that meet, sorted.

@@ -76,12 +76,15 @@ bool placed_meet(const Body& a, const Placed& a_placed, const Body& b, const Pla
   return false;
 }
 
-bool placed_inside(const Solid& a_solid, const Placed& a_placed, const Body& b, const Placed& b_placed) {
+bool placed_nested(const Placed& a_placed, const Placed& b_placed) {
   const Box &inner = a_placed.boxes()[0], &outer = b_placed.boxes()[0];
-  if ((inner.min.array() < outer.min.array()).any() || (inner.max.array() > outer.max.array()).any()) return false;
-  return std::ranges::all_of(a_solid.components, [&](std::uint32_t vertex) {
-    return is_inside(a_placed.world()[vertex], b.mesh, b.bvh, b_placed.world(), b_placed.boxes());
-  });
+  return (inner.min.array() >= outer.min.array()).all() && (inner.max.array() <= outer.max.array()).all();
+}
+
+bool placed_inside(const Solid& a_solid, const Placed& a_placed, const Body& b, const Placed& b_placed) {
+  return placed_nested(a_placed, b_placed) && std::ranges::all_of(a_solid.components, [&](std::uint32_t vertex) {
+           return is_inside(a_placed.world()[vertex], b.mesh, b.bvh, b_placed.world(), b_placed.boxes());
+         });
 }
 
 }  // namespace geometry

@@ -42,7 +42,10 @@ using NodePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 bool placed_meet(const Body& a, const Placed& a_placed, const Body& b, const Placed& b_placed, NodePairs& stack,
                  std::uint64_t& operations);
 
-/// Whether a lies inside b; their surfaces share no point.
+/// Whether the box of a lies in that of b: it does when a lies inside b.
+bool placed_nested(const Placed& a_placed, const Placed& b_placed);
+
+/// Whether a lies inside b, which is closed; their surfaces share no point.
 bool placed_inside(const Solid& a_solid, const Placed& a_placed, const Body& b, const Placed& b_placed);
 
 }  // namespace geometry

@@ -30,8 +30,7 @@ struct Builder {
     (node.box.max - node.box.min).maxCoeff(&axis);
     const std::vector<double>& along = axis == 0 ? from.x : axis == 1 ? from.y : from.z;
     // Whole leaves in the first half, so that only the last leaf of all is not full.
-    const std::size_t leaves = (chosen.size() + PointTree::kLeaf - 1) / PointTree::kLeaf;
-    const std::size_t half = leaves / 2 * PointTree::kLeaf;
+    const std::size_t half = PointTree::leaf_count(chosen.size()) / 2 * PointTree::kLeaf;
     std::nth_element(chosen.begin(), chosen.begin() + half, chosen.end(), [&along](std::uint32_t i, std::uint32_t j) {
       return along[i] != along[j] ? along[i] < along[j] : i < j;  // no ties: the halves are the same everywhere
     });
@@ -46,6 +45,9 @@ struct Builder {
 PointTree::PointTree(const Points& from) {
   assert(from.size() <= std::size_t{1} << 31 && "points are numbered by 32 bits");
   if (from.size() == 0) return;
+  const std::size_t leaves = leaf_count(from.size());
+  for (auto* column : {&points.x, &points.y, &points.z}) column->reserve(leaves * kLeaf);
+  nodes.reserve(2 * leaves - 1);
   std::vector<std::uint32_t> chosen(from.size());
   std::iota(chosen.begin(), chosen.end(), 0u);
   Builder{from, *this}.add(chosen);

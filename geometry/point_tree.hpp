@@ -20,6 +20,14 @@ struct PointTree {
     std::uint32_t second = 0;  // its second child, 0 in a leaf; the first child is the next node
   };
 
+  static std::size_t leaf_count(std::size_t points) { return (points + kLeaf - 1) / kLeaf; }
+
+  /// Bytes of a tree of so many points.
+  static std::uint64_t bytes(std::size_t points) {
+    const std::uint64_t leaves = leaf_count(points);
+    return leaves * (kLeaf * sizeof(Vec3) + 2 * sizeof(Node));
+  }
+
   PointTree() = default;
 
   /// The points must be finite, at most 2^31.

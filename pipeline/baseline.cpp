@@ -4,12 +4,11 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "pipeline/digest.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/foreign.hpp"
 #include "pipeline/print.hpp"
 #include "pipeline/score.hpp"
 #include "pipeline/store.hpp"
@@ -24,6 +23,7 @@ using Json = nlohmann::json;  // objects are sorted by key
 
 constexpr char kKind[] = "collision benchmark baseline";
 constexpr char kTimeRatio[] = "time_ratio";
+constexpr char kRemedy[] = "name a file that `pipeline score --write` made";
 
 double median_of(std::vector<double> values) {
   std::ranges::sort(values);
@@ -93,9 +93,7 @@ Json baseline_of(const Result& result, bool times) {
   return json;
 }
 
-Error bad(const std::string& place, const std::string& what) {
-  return {kFile, place + ": " + what + "; name a file that `pipeline score --write` made"};
-}
+Error bad(const std::string& place, const std::string& what) { return {kFile, place + ": " + what + "; " + kRemedy}; }
 
 /// Sections and figures must be of the kinds that baseline_of makes.
 void check(const Json& json, const std::string& place) {
@@ -138,12 +136,10 @@ std::optional<Json> read_baseline(const std::filesystem::path& path, bool may_mi
     if (may_miss) return std::nullopt;
     throw Error(kFile, place + ": does not exist; record it with --write");
   }
-  if (!std::filesystem::is_regular_file(path, none)) throw bad(place, "is no regular file");
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  if (in.peek() != std::ifstream::traits_type::eof()) text << in.rdbuf();
-  if (in.bad() || !in.is_open()) throw Error(kFile, place + ": cannot be read (" + std::strerror(errno) + ")");
-  const Json json = Json::parse(text.str(), nullptr, false);
+  constexpr std::uint64_t kMostBytes = 16 << 20;  // ours have 500 bytes a label
+  const std::string text = text_of_file(path, kMostBytes, kRemedy);
+  if (!is_shallow(text)) throw bad(place, "is JSON nested too deep");
+  const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded()) throw bad(place, "is not JSON");
   check(json, place);
   return json;
@@ -196,6 +192,8 @@ std::string short_text(const std::string& text) {
 
 Score score(const Result& result, const std::filesystem::path& path, const ScoreOptions& options) {
   const std::string place = path.string();
+  std::optional<Target> target;
+  if (options.write) target.emplace(path, Existing::update);
   const std::optional<Json> before = read_baseline(path, options.write);
   const Json now = baseline_of(result, options.times);
 
@@ -221,7 +219,7 @@ Score score(const Result& result, const std::filesystem::path& path, const Score
   }
   if (options.write && (!before || *before != now)) {
     const std::string text = dumped(now);
-    Target(path, true).write(std::as_bytes(std::span(text)));
+    target->write(std::as_bytes(std::span(text)));
     out.written = true;
   }
   return out;

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "pipeline/error.hpp"
+#include "pipeline/file_bytes.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/words.hpp"
 
@@ -31,27 +32,31 @@ constexpr char kWhole = '\n';           // the last byte of a child that came to
 constexpr int kRound_ms = 100;          // of waiting; also how soon a wish to stop is seen
 constexpr double kMostRound = 0.2;      // s; what is beyond it was no waiting: Ctrl-Z had stopped all of us
 
+[[noreturn]] void cannot(const char* action) {
+  throw Error(kFile,
+              std::string("a child process: cannot ") + action + " (" + std::strerror(errno) +
+                  "); what was finished is kept: give fewer --threads, or raise the limits of this shell (ulimit)");
+}
+
+struct Pipe {
+  Descriptor out, in;
+
+  Pipe() {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) cannot("have a pipe");
+    out = Descriptor(ends[0]);
+    in = Descriptor(ends[1]);
+  }
+};
+
 struct Child {
   std::size_t job = 0;
   pid_t pid = -1;
-  int answer = -1, said = -1;  // ends of pipes; -1 when the child has closed its own
+  Descriptor answer, said;  // ends of pipes; closed when the child has closed its own
   std::string bytes, words;
   double waited = 0;  // s
   bool late = false;
 };
-
-[[noreturn]] void cannot(const char* action) {
-  throw Error(kFailed, std::string("a child process: cannot ") + action + ": " + std::strerror(errno));
-}
-
-void write_all(int file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) _exit(1);
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
 
 [[noreturn]] void be_child(pid_t parent, int answer, int said, const ChildLimits& limits,
                            const std::function<std::string(std::size_t)>& work, std::size_t job) {
@@ -64,15 +69,17 @@ void write_all(int file, std::string_view bytes) {
   const rlimit processor{seconds, seconds + 1}, core{0, 0};
   setrlimit(RLIMIT_CPU, &processor);
   setrlimit(RLIMIT_CORE, &core);
-  answer = fcntl(answer, F_DUPFD, STDERR_FILENO + 1);  // a parent without stdout may have given it that number
+  // 0 to 2 are open in the parent, so that none of these is one of them.
   dup2(said, STDERR_FILENO);
-  dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
   dup2(answer, STDERR_FILENO + 1);
   answer = STDERR_FILENO + 1;
   // The rest is the parent's, its lock on the result among it: it must be free as soon as the parent is dead.
   close_range(static_cast<unsigned>(answer) + 1, ~0u, 0);
+  Descriptor nothing(open("/dev/null", O_RDWR));
+  if (dup2(nothing.number(), STDIN_FILENO) < 0 || dup2(nothing.number(), STDOUT_FILENO) < 0) _exit(1);
+  nothing.close();
   try {
-    write_all(answer, work(job) + kWhole);
+    if (!write_all(answer, work(job) + kWhole)) _exit(1);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     std::fflush(stderr);
@@ -82,43 +89,40 @@ void write_all(int file, std::string_view bytes) {
 }
 
 Child start(std::size_t job, const ChildLimits& limits, const std::function<std::string(std::size_t)>& work) {
-  int answer[2], said[2];
-  if (pipe2(answer, O_CLOEXEC) != 0 || pipe2(said, O_CLOEXEC) != 0) cannot("make a pipe");
+  Pipe answer, said;
   Child child;
   child.job = job;
   const pid_t self = getpid();
   child.pid = fork();
   if (child.pid < 0) cannot("start");
-  if (child.pid == 0) be_child(self, answer[1], said[1], limits, work, job);
-  close(answer[1]);
-  close(said[1]);
-  child.answer = answer[0];
-  child.said = said[0];
+  if (child.pid == 0) be_child(self, answer.in.number(), said.in.number(), limits, work, job);
+  child.answer = std::move(answer.out);
+  child.said = std::move(said.out);
   return child;
 }
 
 /// Takes what is there, keeps the last `most` bytes of all; closes `file` at its end.
-void take(int& file, std::string& into, std::size_t most) {
+void take(Descriptor& file, std::string& into, std::size_t most) {
   char block[1 << 14];
-  const ssize_t got = read(file, block, sizeof block);
+  const ssize_t got = read(file.number(), block, sizeof block);
   if (got < 0 && (errno == EINTR || errno == EAGAIN)) return;
-  if (got <= 0) {
-    close(file);
-    file = -1;
-    return;
-  }
+  if (got <= 0) return file.close();
   into.append(block, static_cast<std::size_t>(got));
   if (into.size() > most) into.erase(0, into.size() - most);
 }
 
-std::string failure_of(const Child& child, int status, const ChildLimits& limits) {
+std::string failure_of(const Child& child, int status, const rusage& used, const ChildLimits& limits) {
   std::string said = child.words;
   while (!said.empty() && said.back() == '\n') said.pop_back();
   said = one_line(said, kMostSaid);
   if (child.late) return "more than " + real_text(limits.wall_seconds) + " s of wall time";
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    if (signal == SIGXCPU) return "more than " + real_text(limits.processor_seconds) + " s of processor time";
+    // What it had, as it may have given itself less.
+    const auto seconds = [](const timeval& time) { return double(time.tv_sec) + double(time.tv_usec) * 1e-6; };
+    if (signal == SIGXCPU)
+      return "more than " + real_text(std::round(seconds(used.ru_utime) + seconds(used.ru_stime))) +
+             " s of processor time";
     return (signal == SIGABRT ? "aborted" : "crashed by signal " + std::to_string(signal)) +
            (said.empty() ? "" : ": " + said);
   }
@@ -131,11 +135,7 @@ struct Children {
 
   ~Children() {
     for (Child& child : running) kill(child.pid, SIGKILL);
-    for (Child& child : running) {
-      waitpid(child.pid, nullptr, 0);
-      if (child.answer >= 0) close(child.answer);
-      if (child.said >= 0) close(child.said);
-    }
+    for (Child& child : running) waitpid(child.pid, nullptr, 0);
   }
 };
 
@@ -156,8 +156,8 @@ void in_children(std::size_t count, int processes, const ChildLimits& limits,
 
     std::vector<pollfd> files;
     for (const Child& child : running) {
-      files.push_back({child.answer, POLLIN, 0});
-      files.push_back({child.said, POLLIN, 0});
+      files.push_back({child.answer.number(), POLLIN, 0});
+      files.push_back({child.said.number(), POLLIN, 0});
     }
     poll(files.data(), files.size(), kRound_ms);
     const Clock::time_point now = Clock::now();
@@ -174,14 +174,15 @@ void in_children(std::size_t count, int processes, const ChildLimits& limits,
       }
     }
     for (std::size_t i = running.size(); i-- > 0;) {
-      if (running[i].answer >= 0 || running[i].said >= 0) continue;
+      if (running[i].answer || running[i].said) continue;
       Child child = std::move(running[i]);
       running.erase(running.begin() + static_cast<std::ptrdiff_t>(i));
       int status = 0;
-      while (waitpid(child.pid, &status, 0) < 0 && errno == EINTR) continue;
+      rusage used = {};
+      while (wait4(child.pid, &status, 0, &used) < 0 && errno == EINTR) continue;
       const bool whole = WIFEXITED(status) && WEXITSTATUS(status) == 0 && child.bytes.ends_with(kWhole);
       if (whole) child.bytes.pop_back();
-      done(child.job, whole ? child.bytes : "", whole ? "" : failure_of(child, status, limits));
+      done(child.job, whole ? child.bytes : "", whole ? "" : failure_of(child, status, used, limits));
     }
   }
 }

@@ -2,16 +2,15 @@
 // "Configuration".
 #include "pipeline/config.hpp"
 
+#include <fcntl.h>
+
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 #include <set>
 
 #include "pipeline/document.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/file_bytes.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/study.hpp"
 #include "pipeline/truth.hpp"
@@ -25,7 +24,8 @@ constexpr std::size_t kMostTitle = 1024;              // characters
 constexpr std::int64_t kMostSteps = 10000000;         // at 274 bodies 120 GB of motion: further is a mistake
 constexpr double kLeastRate = 1e-6, kMostRate = 1e6;  // samples per second
 constexpr std::int64_t kMostRepeats = 1000;
-constexpr double kGapMargin = 0.1;  // m
+constexpr double kGapMargin = 0.1;          // m
+constexpr double kMostClosedWithin = 1e-3;  // of a mesh's size: more is no hair, but the mesh
 constexpr Range kFinite{};
 constexpr Range kNotNegative{.least = 0};
 constexpr Range kPositive{.least = 0, .above = true};
@@ -87,8 +87,9 @@ void read_physics(const Section& s, Config& config) {
 }
 
 void read_truth(const Section& s, Config& config) {
-  s.only({"containment", "gap", "gap_margin"});
+  s.only({"containment", "closed_within", "gap", "gap_margin"});
   config.containment = *containment_of(s.choice("containment", "ignore", {"ignore", "record", "meet"}));
+  config.closed_within = s.real("closed_within", config.closed_within, {.least = 0, .most = kMostClosedWithin});
   if (s.boolean("gap", false))
     config.gap_margin = s.real("gap_margin", kGapMargin, {.least = 0, .most = kMostLength});
   else if (s.has("gap_margin"))
@@ -189,6 +190,7 @@ std::string effective(const Config& c) {
 
   out.table("[truth]");
   out.line("containment", std::string(text_of(c.containment)));
+  out.line("closed_within", c.closed_within);
   out.line("gap", c.gap_margin.has_value());
   if (c.gap_margin) out.line("gap_margin", *c.gap_margin);
   out.table("[timing]");
@@ -202,22 +204,24 @@ std::string effective(const Config& c) {
   return out.text;
 }
 
-/// The file's bytes, at most kMostBytes + 1 of them.
+/// A seed from which nothing is drawn must not look as if it made a run of its own. The preset only says what is so
+/// anyway, and stands in many a file: it is noted.
+void refuse_idle_seed(Config& config) {
+  const SceneKind& kind = *config.scene_kind;
+  if (config.seed_place.empty() || (kind.draws && kind.draws(config))) return;
+  const std::string remedy = kind.draw_by.empty() ? "remove it" : "remove it, or set " + kind.draw_by;
+  const std::string where = config.seed_place + ": 'seed' ";
+  const std::string why = ": nothing is drawn at random in this " + kind.name + " scene; " + remedy;
+  if (config.seed != kSeed) throw Error(kInput, where + "must be left out, not " + std::to_string(config.seed) + why);
+  config.notes.push_back(where + "changes nothing" + why);
+}
+
 std::string bytes_of(const std::filesystem::path& path) {
-  const std::string file = one_line(path.string(), 4096);
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!stream) throw Error(kInput, file + ": the configuration cannot be opened: " + std::strerror(errno));
-  std::string text;
-  char block[1 << 16];
-  while (text.size() <= kMostBytes) {
-    const std::size_t got = std::fread(block, 1, sizeof block, stream.get());
-    if (got == 0) break;
-    text.append(block, got);
+  try {
+    return read_regular(AT_FDCWD, path, /*follow_links=*/true, kMostBytes);
+  } catch (const FileFailure& failure) {
+    throw Error(kInput, one_line(path.string(), 4096) + ": the configuration " + failure.what() + "; name a TOML file");
   }
-  // fopen opens folders; reading them fails.
-  if (std::ferror(stream.get()))
-    throw Error(kInput, file + ": the configuration cannot be read: " + std::strerror(errno));
-  return text;
 }
 
 }  // namespace
@@ -243,6 +247,7 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   config.text = text;
   config.title = title(root, one_line(path.stem().string(), kMostTitle));
   config.seed = root.integer("seed", config.seed, 0);
+  if (root.has("seed")) config.seed_place = root.place("seed");
   config.steps = root.integer("steps", config.steps, 1, kMostSteps);
   config.rate = root.real("rate", config.rate, {.least = kLeastRate, .most = kMostRate});
   if (root.has("steps")) config.steps_place = root.place("steps");
@@ -260,8 +265,17 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   return config;
 }
 
+Config recorded_config(const std::string& effective, const std::string& file) {
+  try {
+    return parse_config(effective, file + ": /config@effective");
+  } catch (const Error& error) {
+    throw Error(kFile, error.what());  // nobody wrote it: it is part of the file
+  }
+}
+
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets) {
   Config config = parse_config(bytes_of(path), path, sets);
+  if (config.scene_kind) refuse_idle_seed(config);
   if (config.scene_kind && config.scene_kind->complete) {
     config.scene_kind->complete(config);
     config.effective = effective(config);

@@ -34,6 +34,7 @@ struct FallingScene {
   double density = 1000;                   // kg/m^3
   std::array<double, 3> plate{60, 2, 60};  // size, m
   double shift = 0.15;                     // m, of the spheres above in x and z, or all balances on points
+  double jitter = 0;                       // m, of the spheres above along each axis at most, drawn from the seed
   std::vector<FallingSet> sets;            // the thesis's three when the configuration names none
 };
 
@@ -98,6 +99,7 @@ struct ReplayBody {
 /// kind = "replay": bodies and poses from files. Paths are relative to the configuration's folder.
 struct ReplayScene {
   std::string poses, motion;      // a CSV file, or an earlier result with all its bodies; the other is empty
+  bool half_turns = false;        // the CSV's quaternions that begin with 0 are meant so
   std::vector<std::string> only;  // empty: every pair counts
   std::vector<ReplayBody> bodies;
   std::string place, only_place;               // of poses or motion, and of only, for messages
@@ -145,21 +147,25 @@ struct Study {
 
 struct SceneKind;  // pipeline/scene.hpp
 
+constexpr std::int64_t kSeed = 1;
+
 struct Config {
   std::filesystem::path path;  // as given
   std::string text;            // as read
   std::string effective;  // the whole configuration after defaults and --set, as TOML; reading it gives this Config
   std::string title;
-  std::int64_t seed = 1;
+  std::int64_t seed = kSeed;
+  std::string seed_place;                 // where it was written; empty: it was not
   std::int64_t steps = 600;               // samples, step 0 included
   double rate = 60;                       // samples per second
   std::optional<Study> study;             // then it has no scene and nothing of what follows but texts and notes
   const SceneKind* scene_kind = nullptr;  // a row of scene_kinds()
   std::variant<FallingScene, BoxScene, PlaygroundScene, ReplayScene, ExtremesScene> scene;  // of that kind
-  Physics physics;                                                           // only when the scene is integrated
+  Physics physics;  // only when the scene is integrated
   ContactRadius contact_radius = ContactRadius::inscribed;
   Containment containment = Containment::ignore;
-  std::optional<double> gap_margin;  // m; absent: distances are not asked for
+  double closed_within = geometry::kClosedWithin;  // of a mesh's size, as in Bodies
+  std::optional<double> gap_margin;                // m; absent: distances are not asked for
   std::int64_t repeats = 3;
   std::vector<AlgorithmChoice> algorithms;
 
@@ -170,14 +176,18 @@ struct Config {
   std::vector<std::string> notes;             // what should be said of them, one line each
 };
 
-/// Reads and validates, the files that the scene names included; steps and rate that are not given become theirs.
-/// `sets` are --set arguments, "dotted.key=TOML value" (a bare word is taken as a string). Throws Error(kInput) with
-/// file:line:column (or the --set), the value, the rule and the nearest known key.
+/// Reads and validates, the files that the scene names included; steps and rate that are not given become theirs. A
+/// seed of which nothing would be drawn is refused, or noted where it is the preset. `sets` are --set arguments,
+/// "dotted.key=TOML value" (a bare word is taken as a string). Throws Error(kInput) with file:line:column (or the
+/// --set), the value, the rule and the nearest known key.
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets = {});
 
-/// Reads TOML text as if from `path`, and no file that it names. For tests and for configurations kept in result files.
+/// Reads TOML text as if from `path`, and no file that it names. For tests, and for recorded_config.
 Config parse_config(const std::string& text, const std::filesystem::path& path,
                     const std::vector<std::string>& sets = {});
+
+/// The configuration that a result file holds. Throws Error(kFile) naming the file.
+Config recorded_config(const std::string& effective, const std::string& file);
 
 /// An --algorithm argument, "NAME[:knob=value,...][@LABEL]", for a truth of that containment: what a knob `containment`
 /// follows when it is not given. Throws Error(kInput) naming the argument.

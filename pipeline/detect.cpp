@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 #include <stdexcept>
 
 #include "pipeline/error.hpp"
+#include "pipeline/plan.hpp"
 #include "pipeline/truth.hpp"
 
 namespace pipeline {
@@ -31,6 +33,8 @@ Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
     return {row, row->make(bodies, choice.knobs)};
   } catch (const std::invalid_argument& error) {
     throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+  } catch (const std::bad_alloc&) {
+    throw OutOfMemory(choice, bodies);
   }
 }
 
@@ -134,8 +138,21 @@ void check_hits(std::span<const Pair> hits, std::span<const PairRun> runs) {
   }
 }
 
+OutOfMemory::OutOfMemory(const AlgorithmChoice& choice, const Bodies& bodies)
+    : Error(kInput, "algorithm '" + choice.label + "': out of memory; it takes about " +
+                        bytes_text(algorithms::memory(*algorithms::find(choice.name), bodies, choice.knobs).greatest) +
+                        ": sample fewer facets, or take fewer bodies or segments") {}
+
 void refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
-  for (const AlgorithmChoice& choice : choices) set_up(bodies, choice);
+  constexpr std::uint64_t kLarge = 64 << 20;  // bytes; making more takes too long to be done only to ask
+  for (const AlgorithmChoice& choice : choices) {
+    try {
+      if (algorithms::memory(*algorithms::find(choice.name), bodies, choice.knobs).greatest > kLarge) continue;
+    } catch (const std::invalid_argument& error) {
+      throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+    }
+    set_up(bodies, choice);
+  }
 }
 
 std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<Pose>>& poses, const Truth& truth,
@@ -187,7 +204,12 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
       const std::vector<PairRun> runs = geometry::pair_runs(bodies, poses[step]);
       for (std::size_t i = 0; i < entries.size(); ++i) {
         const std::size_t a = step % 2 ? entries.size() - 1 - i : i;
-        answer_step(entries[a], poses[step], runs, truth, std::size_t(step), repeats, timed_hits, all[a]);
+        try {
+          answer_step(entries[a], poses[step], runs, truth, std::size_t(step), repeats, timed_hits, all[a]);
+        } catch (const std::bad_alloc&) {
+          throw OutOfMemory(choices[a], bodies);
+        }
+        progress.tick();
       }
       progress.add(1);
     }

@@ -11,6 +11,8 @@
 #include <new>
 #include <vector>
 
+#include "pipeline/file_bytes.hpp"
+
 namespace pipeline {
 namespace {
 
@@ -93,12 +95,7 @@ void Digest::add(const Dataset& dataset) {
 std::string Digest::hex() const {
   XXH128_canonical_t canonical;
   XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(xxh(state_.get())));
-  std::string out;
-  for (const unsigned char byte : canonical.digest) {
-    out += "0123456789abcdef"[byte >> 4];
-    out += "0123456789abcdef"[byte & 15];
-  }
-  return out;
+  return pipeline::hex(canonical.digest);
 }
 
 bool is_digested(const Dataset& dataset) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pipeline/error.hpp"
+#include "pipeline/file_bytes.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/target.hpp"
@@ -95,16 +96,22 @@ std::string file_name(const ExportOptions& options, std::size_t step) {
   return options.name + "_" + std::string(6 - std::min<std::size_t>(6, digits.size()), '0') + digits + ".vtp";
 }
 
+bool is_step(const ExportOptions& options, const std::string& name) {
+  if (!name.starts_with(options.name + "_") || !name.ends_with(".vtp")) return false;
+  const std::string step = name.substr(options.name.size() + 1, name.size() - options.name.size() - 5);
+  return step.size() >= 6 && step.find_first_not_of("0123456789") == std::string::npos;
+}
+
 /// What an earlier export of the same name left in the folder, its index first: without it the rest does not look
 /// whole.
-std::vector<fs::path> earlier(const ExportOptions& options) {
-  std::vector<fs::path> found;
-  for (const fs::directory_entry& entry : fs::directory_iterator(options.folder)) {
-    const std::string name = entry.path().filename().string();
-    if (name == options.name + ".pvd") found.insert(found.begin(), entry.path());
-    if (!name.starts_with(options.name + "_") || !name.ends_with(".vtp")) continue;
-    const std::string step = name.substr(options.name.size() + 1, name.size() - options.name.size() - 5);
-    if (step.size() >= 6 && step.find_first_not_of("0123456789") == std::string::npos) found.push_back(entry.path());
+std::vector<std::string> earlier(const ExportOptions& options, int folder) {
+  std::vector<std::string> found;
+  for (const std::string& name : names_in(folder)) {
+    const auto killed = new_file_of(name);
+    if (name == options.name + ".pvd")
+      found.insert(found.begin(), name);
+    else if (is_step(options, name) || (killed && is_step(options, *killed)))
+      found.push_back(name);
   }
   return found;
 }
@@ -125,34 +132,46 @@ void refuse_folder(const ExportOptions& options) {
 /// What was written, taken away again unless `keep` is called.
 class Written {
  public:
-  explicit Written(const fs::path& folder) : folder_(folder) {
-    std::error_code error;
-    made_ = fs::create_directories(folder, error);
-    if (error) throw Error(kFile, folder.string() + ": cannot be made (" + error.message() + "); choose another --vtk");
-  }
+  explicit Written(const fs::path& path) : made_(path), folder_(open_folder(path)) {}
   ~Written() {
-    std::error_code ignored;
-    for (const fs::path& file : files_) fs::remove(file, ignored);
-    if (made_ && !kept_) fs::remove(folder_, ignored);  // unless something is in it
+    for (const std::string& file : files_) remove_regular(folder(), file);
   }
   Written(const Written&) = delete;
   Written& operator=(const Written&) = delete;
 
-  void file(const fs::path& path, const std::string& text) {
-    Target target(path, true);
-    target.write(std::as_bytes(std::span(text)));
-    files_.push_back(path);
+  int folder() const { return folder_.number(); }
+  void file(const std::string& name, const std::string& text) {
+    put_file(folder(), name, {text});
+    files_.push_back(name);
   }
   void keep() {
     files_.clear();
-    kept_ = true;
+    made_.keep();
   }
 
  private:
-  fs::path folder_;
-  std::vector<fs::path> files_;
-  bool made_ = false, kept_ = false;
+  MadeFolders made_;
+  Descriptor folder_;
+  std::vector<std::string> files_;
 };
+
+/// For use in names of XML, where a label of another program's file may hold anything.
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : one_line(text, text.size())) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -195,8 +214,8 @@ std::string vtp(const Result& result, std::size_t step) {
   for (const Answers& answers : result.answers) {
     std::vector<Pair> invented = without(answers.hits.at(step), truth);
     if (result.truth.containment == Containment::record) invented = without(invented, result.truth.contained.at(step));
-    cells += per_triangle("false_positive_" + answers.label, invented);
-    cells += per_triangle("false_negative_" + answers.label, without(truth, answers.hits.at(step)));
+    cells += per_triangle("false_positive_" + escaped(answers.label), invented);
+    cells += per_triangle("false_negative_" + escaped(answers.label), without(truth, answers.hits.at(step)));
   }
 
   const double time[] = {double(step) / result.rate};
@@ -247,27 +266,35 @@ std::uint64_t export_bytes(const Result& result, const ExportOptions& options) {
 
 fs::path write_vtk(const Result& result, const ExportOptions& options) {
   refuse_folder(options);
-  Written written(options.folder);
-  for (const fs::path& file : earlier(options)) {
-    std::error_code error;
-    if (!fs::remove(file, error) && error)
-      throw Error(kFile, file.string() + ": cannot be replaced (" + error.message() + "); choose another --vtk");
-  }
-
-  Progress progress("export", options.steps.size(), options.quiet);
-  std::string index =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
-      "byte_order=\"LittleEndian\">\n<Collection>\n";
-  for (std::size_t step = options.steps.first; step < options.steps.last; ++step) {
-    stop_if_wanted();
-    written.file(options.folder / file_name(options, step), vtp(result, step));
-    index += "<DataSet timestep=\"" + real_text(double(step) / result.rate) + "\" part=\"0\" file=\"" +
-             file_name(options, step) + "\"/>\n";
-    progress.add(1);
-  }
   const fs::path path = options.folder / (options.name + ".pvd");
-  written.file(path, index + "</Collection>\n</VTKFile>\n");
-  written.keep();
+  fs::path place = options.folder;
+  try {
+    Written written(options.folder);
+    Target index_file(path, Existing::replace);  // two exports of one name do not mix
+    for (const std::string& name : earlier(options, written.folder())) {
+      place = options.folder / name;
+      if (!remove_regular(written.folder(), name)) throw FileFailure("is in the way and cannot be removed");
+    }
+
+    Progress progress("export", options.steps.size(), options.quiet);
+    std::string index =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
+        "byte_order=\"LittleEndian\">\n<Collection>\n";
+    for (std::size_t step = options.steps.first; step < options.steps.last; ++step) {
+      stop_if_wanted();
+      const std::string name = file_name(options, step);
+      place = options.folder / name;
+      written.file(name, vtp(result, step));
+      index +=
+          "<DataSet timestep=\"" + real_text(double(step) / result.rate) + "\" part=\"0\" file=\"" + name + "\"/>\n";
+      progress.add(1);
+    }
+    index += "</Collection>\n</VTKFile>\n";
+    index_file.write(std::as_bytes(std::span(index)));
+    written.keep();
+  } catch (const FileFailure& failure) {
+    throw Error(kFile, place.string() + ": " + failure.what() + "; free or allow the place, or choose another --vtk");
+  }
   return path;
 }
 

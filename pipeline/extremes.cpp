@@ -117,6 +117,10 @@ Failed answer(const Stretch& range, const CaseSet& set, const AlgorithmChoice& c
     for (const auto column : {&ExtremeAnswers::swapped, &ExtremeAnswers::moved})
       (cases.*column).insert((cases.*column).end(), (said.*column).begin(), (said.*column).end());
     return kWell;
+  } catch (const OutOfMemory&) {
+    throw;
+  } catch (const std::bad_alloc&) {  // of this machine, not of the algorithm
+    throw OutOfMemory(choice, range.bodies);
   } catch (const Error& error) {
     if (error.code() != kInput) throw;  // Ctrl-C, a full disk
     if (cases.reason.empty()) cases.reason = error.what();
@@ -200,12 +204,12 @@ std::vector<ExtremeCase> extreme_rows(const Bodies& bodies, const Poses& poses, 
     const bool contained_meets = truth.containment == Containment::meet;
     std::vector<geometry::Solid> solids;
     if (contained_meets)
-      for (const geometry::Mesh& mesh : two.meshes) solids.push_back(geometry::solid_of(mesh));
+      for (const geometry::Mesh& mesh : two.meshes) solids.push_back(geometry::solid_of(mesh, bodies.closed_within));
     geometry::Decision decision(two, bvhs, solids);
     const auto meet = [&](std::vector<Pose> at) { return decision.meet(at, {0, 1}); };
     const auto scores = [&](std::vector<Pose> at) {  // by the truth that scores
       const PairRun run{0, 1, 2};
-      std::vector<Pair> contained;
+      std::vector<geometry::Contained> contained;
       return !decision.hits(at, {&run, 1}, contained_meets ? &contained : nullptr).empty() || !contained.empty();
     };
     for (std::size_t s = std::size_t(set.first_step); s < std::size_t(set.first_step + set.steps); ++s) {

@@ -4,7 +4,11 @@
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -33,9 +37,22 @@ inline std::string reason() {
   return text.empty() ? text : " (" + text + ")";
 }
 
-/// Throws Failure when a call's result is negative.
+/// Whether the last call failed for want of memory: that is nothing wrong with a file. zlib's want of it only errno
+/// tells, which must be 0 when a file is opened.
+inline bool out_of_memory() {
+  bool found = errno == ENOMEM;
+  const auto look = [](unsigned, const H5E_error2_t* error, void* out) -> herr_t {
+    if (error->maj_num == H5E_RESOURCE && error->min_num == H5E_NOSPACE) *static_cast<bool*>(out) = true;
+    return 0;
+  };
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_DOWNWARD, look, &found);
+  return found;
+}
+
+/// Throws Failure when a call's result is negative, or std::bad_alloc.
 template <typename Code>
 Code check(Code code, const std::string& what) {
+  if (code < 0 && out_of_memory()) throw std::bad_alloc();
   if (code < 0) throw Failure("HDF5 could not " + what + reason());
   return code;
 }
@@ -103,8 +120,9 @@ T read_attribute(hid_t file, const std::string& path, const std::string& name) {
   const Attribute attribute(H5Aopen_by_name(file, path.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), what);
   const Space space(H5Aget_space(attribute.id()), what);
   const Type type(H5Aget_type(attribute.id()), what);
-  const bool text = H5Tget_class(type.id()) == H5T_STRING;
-  if (H5Sget_simple_extent_npoints(space.id()) != 1 || text != std::is_same_v<T, std::string> ||
+  constexpr bool text = std::is_same_v<T, std::string>;
+  const H5T_class_t wanted = text ? H5T_STRING : std::is_same_v<T, double> ? H5T_FLOAT : H5T_INTEGER;
+  if (H5Sget_simple_extent_npoints(space.id()) != 1 || H5Tget_class(type.id()) != wanted ||
       (text && H5Tis_variable_str(type.id()) <= 0))
     throw Failure("HDF5 could not " + what + ": it has another type");
   if constexpr (std::is_same_v<T, std::string>) {
@@ -128,9 +146,37 @@ inline bool exists(hid_t file, const std::string& path) {
   return check(H5Lexists(file, path.c_str(), H5P_DEFAULT), "look for " + path) > 0;
 }
 
-/// The names of the links in a group, in the order in which they were made.
-inline std::vector<std::string> names_in(hid_t file, const std::string& path) {
+/// Throws Failure unless every link is a hard one, and groups are nested no deeper than ours, tenfold. No link to
+/// another place is followed for that: one to another file may lead to what never answers, and soft ones in circles.
+inline void check_links(hid_t file) {
+  constexpr int kMostDepth = 30;  // ours: /meshes/<name>/vertices
+  struct Visit {
+    std::string flaw;
+  } visit;
+  const auto look = [](hid_t, const char* path, const H5L_info_t* info, void* out) -> herr_t {
+    int depth = 1;
+    for (const char* c = path; *c; ++c) depth += *c == '/';
+    const bool deep = depth > kMostDepth;
+    if (info->type == H5L_TYPE_HARD && !deep) return 0;
+    const char* what = deep                          ? ": is nested too deep"
+                       : info->type == H5L_TYPE_SOFT ? ": is a soft link; a result has none"
+                                                     : ": is a link to another file; a result has none";
+    static_cast<Visit*>(out)->flaw.append("/").append(path, std::min<std::size_t>(std::strlen(path), 200)).append(what);
+    return 1;
+  };
+  const herr_t ended = H5Lvisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, look, &visit);
+  if (!visit.flaw.empty()) throw Failure(visit.flaw);
+  check(ended, "list the file");
+}
+
+/// The names of the links in a group of at most `most`, in the order in which they were made.
+inline std::vector<std::string> names_in(hid_t file, const std::string& path, std::uint64_t most) {
   const Group group(H5Gopen2(file, path.c_str(), H5P_DEFAULT), "open " + path);
+  H5G_info_t info;
+  check(H5Gget_info(group.id(), &info), "count " + path);
+  if (info.nlinks > most)
+    throw Failure(path + ": has " + std::to_string(info.nlinks) + " entries, at most " + std::to_string(most) +
+                  " make sense");
   std::vector<std::string> names;
   const auto keep = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
     static_cast<std::vector<std::string>*>(out)->emplace_back(name);

@@ -2,6 +2,8 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <functional>
+#include <set>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -34,10 +36,13 @@ inline hid_t h5_type(Type type, const h5::Type& text) {
 inline constexpr std::uint64_t kAny = ~std::uint64_t{0};
 using Shape = std::vector<std::uint64_t>;
 
-/// Reads datasets of an open file. Throws h5::Failure when one is missing or has another type or shape.
+/// Reads datasets of an open file. Throws h5::Failure when one is missing, has another type or shape, or a size that a
+/// file of `file_bytes` cannot hold: before it is allocated.
 class Reader {
  public:
-  explicit Reader(hid_t file) : file_(file) {}
+  /// Before so many more bytes are read, `wanted` hears of them.
+  Reader(hid_t file, std::uint64_t file_bytes, std::function<void(std::uint64_t)> wanted = {})
+      : file_(file), file_bytes_(file_bytes), wanted_(std::move(wanted)) {}
 
   bool has(const std::string& path) const { return h5::exists(file_, path); }
   bool has_attribute(const std::string& object, const std::string& name) const {
@@ -47,6 +52,18 @@ class Reader {
   template <typename T>
   T attribute(const std::string& object, const std::string& name) const {
     return h5::read_attribute<T>(file_, object, name);
+  }
+
+  /// The size of a dataset of one dimension, at most `most`; nothing of it is read.
+  std::uint64_t size(const std::string& path, std::uint64_t most) const {
+    const h5::Dataset dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "open " + path);
+    const h5::Space space(H5Dget_space(dataset.id()), "shape " + path);
+    const bool one = h5::check(H5Sget_simple_extent_ndims(space.id()), "shape " + path) == 1;
+    const hssize_t entries = h5::check(H5Sget_simple_extent_npoints(space.id()), "count " + path);
+    if (!one || static_cast<std::uint64_t>(entries) > most)
+      throw h5::Failure(path + ": has " + std::to_string(entries) + " entries, at most " + std::to_string(most) +
+                        " make sense");
+    return static_cast<std::uint64_t>(entries);
   }
 
   /// Values of `type`, which T must match or be made of.
@@ -63,6 +80,11 @@ class Reader {
   template <typename T>
   std::vector<T> values(const std::string& path, const Shape& expected) const {
     return values<T>(path, type_of<T>(), expected);
+  }
+
+  /// The values as they lie in memory.
+  std::vector<std::byte> bytes(const std::string& path, Type type, const Shape& expected) const {
+    return values<std::byte>(path, type, expected);
   }
 
   std::vector<std::string> texts(const std::string& path, const Shape& expected) const {
@@ -114,9 +136,39 @@ class Reader {
       for (std::size_t r = 0; r < rows; ++r) (out[a].*column.member).push_back(table[r * out.size() + a]);
   }
 
-  std::vector<std::string> names_in(const std::string& group) const { return h5::names_in(file_, group); }
+  std::vector<std::string> names_in(const std::string& group, std::uint64_t most) const {
+    return h5::names_in(file_, group, most);
+  }
+
+  bool was_read(const std::string& path) const { return read_.contains(path); }
 
  private:
+  /// What a dataset would take is checked against what is stored of it, and that against the file. Deflate makes at
+  /// most 1032 bytes of one.
+  void check_storage(const h5::Dataset& dataset, const std::string& path, std::uint64_t elements, Type type) const {
+    constexpr std::uint64_t kMostInflation = 1032;
+    const h5::Properties made(H5Dget_create_plist(dataset.id()), "find how " + path + " is stored");
+    if (H5Pget_layout(made.id()) == H5D_VIRTUAL || H5Pget_external_count(made.id()) != 0)
+      throw h5::Failure(path + ": its values are in another file; a result has none such");
+    int deflates = 0;
+    for (int i = 0; i < H5Pget_nfilters(made.id()); ++i) {
+      unsigned flags;
+      std::size_t values = 0;
+      const H5Z_filter_t filter =
+          H5Pget_filter2(made.id(), static_cast<unsigned>(i), &flags, &values, nullptr, 0, nullptr, nullptr);
+      deflates += filter == H5Z_FILTER_DEFLATE;
+      if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_FLETCHER32)
+        throw h5::Failure(path + ": is packed by filter " + std::to_string(filter) + "; a result uses deflate only");
+    }
+    const std::uint64_t size = type == Type::text ? 16 : size_of(type);  // of a text its place
+    const std::uint64_t stored = elements ? H5Dget_storage_size(dataset.id()) : 0;
+    if (read_.insert(path).second) stored_ += stored;
+    if (deflates > 1 || stored_ > file_bytes_ || elements / kMostInflation > stored / size)
+      throw h5::Failure(path + ": of " + std::to_string(elements) + " values only " + std::to_string(stored) +
+                        " bytes are stored");
+    if (wanted_) wanted_(elements * size);
+  }
+
   /// The number of elements, after checking type and shape.
   std::uint64_t opened_elements(const h5::Dataset& dataset, const std::string& path, Type type,
                                 const Shape& expected) const {
@@ -132,11 +184,17 @@ class Reader {
     if (!same || H5Tequal(stored.id(), h5_type(type, text_)) <= 0)
       throw h5::Failure(path + ": its shape or type is not that of a result");
     std::uint64_t elements = 1;
-    for (const std::uint64_t size : shape) elements *= size;
+    for (const std::uint64_t size : shape)
+      if (__builtin_mul_overflow(elements, size, &elements)) throw h5::Failure(path + ": has an impossible size");
+    check_storage(dataset, path, elements, type);
     return elements;
   }
 
   hid_t file_;
+  std::uint64_t file_bytes_;
+  std::function<void(std::uint64_t)> wanted_;
+  mutable std::uint64_t stored_ = 0;         // bytes of the file that were read from
+  mutable std::set<std::string> read_ = {};  // datasets
   h5::Type text_ = h5::text_type();
 };
 

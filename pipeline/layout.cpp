@@ -188,7 +188,8 @@ Group bodies(const Result& result, const Sizes& n) {
   return group;
 }
 
-Group mesh(const geometry::Mesh& mesh) {
+/// `closed_within` as in Truth, where it is known.
+Group mesh(const geometry::Mesh& mesh, std::optional<double> closed_within) {
   const std::string path = "/meshes/" + mesh.name;
   const Dimension vertex{path + "/vertex", mesh.vertices.size()};
   const Dimension triangle{path + "/triangle", mesh.triangles.size()};
@@ -201,6 +202,7 @@ Group mesh(const geometry::Mesh& mesh) {
                {"closed", std::uint8_t{geometry::is_closed(mesh)}},
                {"surface_deviation", mesh.surface_deviation}},
               {}};
+  if (closed_within) group.attributes.push_back({"closed_within", *closed_within});
   auto& datasets = group.datasets;
   datasets.push_back(bare_scale(vertex, "vertices of the mesh"));
   datasets.push_back(bare_scale(triangle, "triangles of the mesh"));
@@ -257,7 +259,7 @@ void add_pairs(Group& group, const PairLists& hits, const std::string& what, con
       viewed(group.path + "/" + prefix + "pair", std::span(hits.pair), {entry, n.side}, "1", what, Type::u32));
 }
 
-Group truth(const Truth& truth, const Sizes& n) {
+Group truth(const Truth& truth, double closed_within, const Sizes& n) {
   Group group{"/truth", {}, {}, true};
   std::vector<std::uint64_t> scoring;
   for (std::size_t s = 0; s < truth.hits.steps(); ++s)
@@ -270,7 +272,13 @@ Group truth(const Truth& truth, const Sizes& n) {
   add_pairs(group, truth.hits, "pairs of bodies whose surfaces meet", n);
   if (truth.lists_contained()) {
     group.attributes.push_back({"containment", std::string(text_of(truth.containment))});
+    group.attributes.push_back({"closed_within", closed_within});
     add_pairs(group, truth.contained, "pairs of bodies of which one lies wholly inside the other", n, "contained_");
+    if (truth.contained_inside) {
+      const Dimension entry{"/truth/contained_entry", truth.contained.pair.size()};
+      group.datasets.push_back(viewed("/truth/contained_inside", std::span(*truth.contained_inside), {entry}, "1",
+                                      "the body of the pair that lies inside the other", Type::u32));
+    }
   }
   if (truth.gaps) {
     const GapLists& gaps = *truth.gaps;
@@ -426,10 +434,12 @@ std::vector<Group> layout(const Result& result) {
     return groups;
   }
   groups.push_back(bodies(result, n));
-  for (const geometry::Mesh& shape : result.bodies.meshes) groups.push_back(mesh(shape));
+  const std::vector<double>& within = result.truth.closed_within;
+  for (std::size_t i = 0; i < result.bodies.meshes.size(); ++i)
+    groups.push_back(mesh(result.bodies.meshes[i], within.empty() ? std::nullopt : std::optional(within[i])));
   groups.push_back(motion(result, n));
   if (result.physics) groups.push_back(physics(*result.physics, n));
-  groups.push_back(truth(result.truth, n));
+  groups.push_back(truth(result.truth, result.bodies.closed_within, n));
   if (!result.answers.empty()) {
     groups.push_back(results(result, n));
     for (const Answers& one : result.answers) groups.push_back(answers(one, n));

@@ -1,3 +1,7 @@
 #include "pipeline/cli.hpp"
+#include "pipeline/file_bytes.hpp"
 
-int main(int argc, char** argv) { return pipeline::command_line(argc, argv); }
+int main(int argc, char** argv) {
+  pipeline::open_standard_descriptors();
+  return pipeline::command_line(argc, argv);
+}

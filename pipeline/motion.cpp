@@ -1,10 +1,13 @@
 #include "pipeline/motion.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <stdexcept>
+
+#include "pipeline/threads.hpp"
 
 namespace pipeline {
 namespace {
@@ -130,7 +133,34 @@ MotionChunk integrate_chunk(const Config& config, const Scene& scene, const std:
 
 }  // namespace
 
-Motion integrate(const Config& config, const Scene& scene, const Part& part, Progress& progress) {
+MotionTrial try_motion(const Config& config, const Scene& scene, std::vector<BodyState> states, double seconds) {
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+  constexpr double kPart = 0.25;  // of a step; a whole one may take long
+  MotionTrial out;
+  try {
+    const double start = processor_seconds();
+    Integration integration(scene, config.physics, states, 0, 0);
+    out.begin = processor_seconds() - start;
+    const auto begun = Clock::now();
+    const double before = processor_seconds();
+    double steps = 0;
+    PhysicsSample row;
+    while (steps < 20 && since(begun) < seconds) {
+      steps += kPart;
+      if (!integration.advance_to(steps / config.rate, row, states).empty()) break;
+    }
+    out.step = (processor_seconds() - before) / steps;
+  } catch (const std::invalid_argument&) {  // said by the run itself
+  }
+  for (const BodyState& state : states) out.poses.push_back(pose_of(state));
+  return out;
+}
+
+Motion integrate(const Config& config, const Scene& scene, const Part& part, Progress& progress,
+                 const AfterChunk& after_chunk) {
   const std::size_t bodies = scene.bodies.size();
   Motion motion;
   motion.physics.status = "complete";
@@ -171,6 +201,7 @@ Motion integrate(const Config& config, const Scene& scene, const Part& part, Pro
     } else {
       states.assign(chunk.samples.end() - std::ptrdiff_t(bodies), chunk.samples.end());
     }
+    if (after_chunk) after_chunk(motion.poses);
   }
 
   // The rest of a failed motion: fixed bodies stay, the others are nowhere.

@@ -1,8 +1,10 @@
 // FILE.part: where a run keeps what it has while it is not finished.
 //
 // A folder of checksummed chunks, each written beside its place, synced and renamed, so that after kill -9 every chunk
-// is either whole or absent. An exclusive lock keeps a second writer out.
+// is either whole or absent. An exclusive lock keeps a second writer out. Nothing is ever erased but files with names
+// of our making in a folder whose manifest is ours.
 #pragma once
+#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -11,6 +13,8 @@
 #include <string>
 #include <type_traits>
 #include <vector>
+
+#include "pipeline/file_bytes.hpp"
 
 namespace pipeline {
 
@@ -39,8 +43,8 @@ PartStatus part_status(const std::filesystem::path& folder);
 class Part {
  public:
   /// Opens or makes the folder. Throws Error(kFile) when another run holds it, when it belongs to another configuration
-  /// or build and `force` is false (with force it is emptied), or when it cannot be written.
-  /// Of a study `steps` are its cases.
+  /// or build and `force` is false (with force its files are erased), when it is no folder of ours (also with force),
+  /// or when it cannot be written. Of a study `steps` are its cases.
   Part(const std::filesystem::path& folder, const PartKey& key, const std::string& title, std::int64_t steps,
        bool force, bool study = false);
   ~Part();
@@ -56,19 +60,27 @@ class Part {
   /// Notes that nothing is missing but the result's own place.
   void mark_complete() const;
 
-  /// A chunk's content, or nothing when it is absent or damaged. Safe from several threads.
+  /// A chunk's content, or nothing when it is absent or damaged. Safe from several threads. Throws Error(kFile) when it
+  /// is there and cannot be read.
   std::optional<std::string> load(const std::string& name) const;
 
   /// Writes a chunk: when this returns it survives a kill and a power cut. Safe from several threads.
   void save(const std::string& name, const std::string& content) const;
 
-  /// Removes the folder; the run is complete.
+  /// Removes the folder; the run is complete. One that cannot be removed is told on stderr.
   void remove();
 
  private:
+  explicit Part(const std::filesystem::path& folder) : folder_(folder) {}
+
+  bool has(const std::string& name) const;
+
   std::filesystem::path folder_;
-  int lock_ = -1;
+  std::optional<MadeFolders> made_;
+  Descriptor opened_, lock_;
   bool resumed_ = false;
+  bool worthless_ = false;  // it was begun here: unless something is saved nothing of it stays
+  mutable std::atomic<bool> saved_ = false;
   std::string seal_;  // the manifest: part of every chunk's checksum, so that no other run's chunk is ever taken
 };
 
@@ -90,7 +102,8 @@ class ChunkWriter {
   std::string bytes;
 };
 
-/// The counterpart. The checksum has vouched for the bytes, so a short read is a programmer's error.
+/// The counterpart. The checksum has vouched for the bytes: what is too short was made by a programmer's error or by
+/// hand; either way nothing is allocated for it.
 class ChunkReader {
  public:
   explicit ChunkReader(const std::string& bytes) : bytes_(bytes) {}
@@ -100,6 +113,7 @@ class ChunkReader {
     static_assert(std::is_trivially_copyable_v<T>);
     std::uint64_t count = 0;
     take(&count, sizeof count);
+    if (count > (bytes_.size() - at_) / sizeof(T)) take(nullptr, ~std::size_t{0});  // it cannot be there: throws
     std::vector<T> values(count);
     take(values.data(), count * sizeof(T));
     return values;

@@ -4,8 +4,11 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <new>
 #include <optional>
 
+#include "pipeline/detect.hpp"
 #include "pipeline/score.hpp"
 
 namespace pipeline {
@@ -105,7 +108,12 @@ PassAnswers pass_answers(const geometry::Bodies& bodies, const Poses& poses, con
                          const std::vector<Pass>& passes, const std::vector<PassRow>& rows, const Answers& answers,
                          const AlgorithmChoice& choice, Progress& progress) {
   assert(rows.size() == passes.size() && "a row per pass");
-  const auto method = algorithms::find(choice.name)->make(bodies, choice.knobs);
+  std::unique_ptr<algorithms::Method> method;
+  try {
+    method = algorithms::find(choice.name)->make(bodies, choice.knobs);
+  } catch (const std::bad_alloc&) {
+    throw OutOfMemory(choice, bodies);
+  }
   PassAnswers out;
   std::vector<Pair> found;
   for (std::size_t p = 0; p < passes.size(); ++p) {

@@ -1,17 +1,20 @@
 #include "pipeline/plan.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
+#include "geometry/bvh.hpp"
 #include "pipeline/error.hpp"
 #include "pipeline/part.hpp"
 #include "pipeline/passes.hpp"
 #include "pipeline/print.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/scene.hpp"
-#include "pipeline/store.hpp"
 #include "pipeline/study.hpp"
 #include "pipeline/threads.hpp"
+#include "pipeline/trial.hpp"
 #include "pipeline/truth.hpp"
 
 namespace pipeline {
@@ -24,53 +27,261 @@ std::string mebibytes_text(std::uint64_t bytes) {
                             : print("%.1f GiB", double(bytes) / (1 << 30));
 }
 
-std::string bytes_text(std::uint64_t bytes) {
-  return bytes < (1u << 20) ? print("%.0f KiB", double(bytes) / 1024) : mebibytes_text(bytes);
+// ---- What runs were measured to take --------------------------------------------------------------------------------
+//
+// Bytes of the files of configs/ (and of smaller ones) by their datasets, h5py's get_storage_size; of memory by
+// VmHWM. What the fits leave over is below a quarter for those; a motion that never comes to rest, or hits in far
+// greater numbers than one a body, make more of it.
+
+constexpr double kMiB = 1 << 20;
+constexpr double kProgram = 24 * kMiB, kHdf5 = 8 * kMiB;  // program and libraries; more of them once HDF5 writes
+constexpr double kImage = 16 * kMiB;                      // HDF5's file in memory grows by so much at a time
+constexpr double kMovingBody = 16 * 1024;                 // Simbody, a body
+constexpr double kGrown = 1.5;                            // a vector that grew, on average
+
+constexpr double kObject = 1900;                // a group or dataset with its attributes
+constexpr double kName = 150;                   // a body's names
+constexpr double kPassTexts = 160;              // of a pass
+constexpr double kCaseTexts = 62;               // of a case of extremes
+constexpr double kChanged = 6.6, kKept = 0.09;  // a coordinate that changed since the step before, or did not
+constexpr double kChangedRow = 4;               // a step at which any did
+constexpr double kIntegratedStep = 36;          // a step's physics, truth and time
+constexpr double kStep = 4;                     // without physics
+constexpr double kAnswer = 10, kScripted = 4;   // a step of an algorithm: times, operations, counts
+constexpr double kHit = 0.33;                   // a reported pair
+constexpr double kMeshes = 0.4;                 // of a mesh larger than a few KiB, else all of it
+constexpr double kPassAnswer = 9;               // a pass of an algorithm
+constexpr double kStudy = 36000, kCase = 500;   // a study, and each of its cases
+
+/// What the poses of a run are: coordinates that change from a step to the next, steps at which any do, and bodies
+/// that are there, over all steps. About as many pairs are reported as bodies that move are there.
+struct Poses {
+  double changed = 0, rows = 0, moving = 0;
+};
+
+/// Foreseen: those to whom something happened change all seven, others that are there fall: one.
+Poses foreseen_poses(const Config& config, const SceneSize& size) {
+  Poses out{.rows = double(config.steps)};
+  const double steps = double(config.steps);
+  double lively = 0;
+  bool born_later = false;
+  for (const Ahead& event : config.scene_kind->ahead(config)) {
+    born_later = born_later || event.times > 1;
+    for (std::uint64_t t = 0; t < event.before(steps); ++t) lively += double(event.bodies) * (steps - event.step(t));
+  }
+  out.moving = born_later ? lively : double(size.bodies) * steps;
+  // Without friction nothing begins to turn, and the quaternion stays.
+  const Material& material = config.physics.material;
+  const bool turns = material.static_friction > 0 || material.dynamic_friction > 0 || material.viscous_friction > 0;
+  out.changed = (turns ? 7 : 3) * lively + (out.moving - lively);
+  return out;
 }
 
-}  // namespace
-
-Plan plan(const Config& config) {
-  if (config.study) {
-    constexpr std::uint64_t kCaseBytes = 1024, kNames = 1 << 16;  // of a row with its texts; of attributes and names
-    const std::uint64_t cases = study_cases(*config.study).size();
-    Plan plan;
-    plan.cases = cases;
-    plan.file_bytes = kNames + cases * kCaseBytes;
-    plan.memory_bytes = 4 * cases * kCaseBytes;
-    return plan;
+/// Of a script they are counted.
+Poses counted_poses(const std::vector<std::vector<geometry::Pose>>& script, const geometry::Bodies& bodies) {
+  Poses out;
+  for (std::size_t s = 0; s < script.size(); ++s) {
+    const double before = out.changed;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const geometry::Pose& pose = script[s][b];
+      if (!geometry::is_born(pose)) continue;
+      out.moving += bodies.fixed[b] ? 0 : 1;
+      if (s == 0) continue;
+      const geometry::Pose& last = script[s - 1][b];
+      for (int i = 0; i < 3; ++i) out.changed += pose.t[i] != last.t[i];
+      out.changed += (pose.q.w != last.q.w) + (pose.q.x != last.q.x) + (pose.q.y != last.q.y) + (pose.q.z != last.q.z);
+    }
+    out.rows += out.changed > before;
   }
-  const SceneSize size = config.scene_kind->size(config);
+  return out;
+}
+
+double motion_values(const Config& config, const Plan& plan) {
+  return 7.0 * double(config.steps) * double(plan.bodies);
+}
+
+double file_bytes(const Config& config, const SceneSize& size, const Plan& plan, const Poses& poses) {
+  const double steps = double(config.steps), labels = double(config.algorithms.size());
+  const bool integrated = config.scene_kind->integrated;
+  double objects = 50 + 4 * labels + 7 * double(plan.meshes) + (integrated ? 10 : 0) + (plan.passes ? 15 : 0) +
+                   (plan.case_sets ? 17 : 0) + (config.gap_margin ? 5 : 0);
+  double bytes = kObject * objects + kName * double(plan.bodies) + 2 * double(config.text.size());
+  bytes += kChanged * poses.changed + kChangedRow * poses.rows + kKept * (motion_values(config, plan) - poses.changed);
+  bytes += steps * (integrated ? kIntegratedStep : kStep) + steps * labels * (integrated ? kAnswer : kScripted);
+  bytes += kHit * poses.moving * (1 + labels);
+  if (config.gap_margin) bytes += 12 * poses.moving;  // two reals a pair, about a pair a body
+  const double meshes = 24 * double(size.mesh_vertices) + 12 * double(size.mesh_triangles);
+  bytes += meshes > 8192 * double(plan.meshes) ? kMeshes * meshes : meshes;
+  bytes += double(plan.passes) * (kPassTexts + kPassAnswer * labels);
+  if (plan.case_sets) bytes += steps * kCaseTexts;
+  return bytes;
+}
+
+/// The greatest of what the stages need, one after the other.
+double memory_bytes(const Config& config, const SceneSize& size, const Plan& plan, const Poses& poses, int threads) {
+  const double steps = double(config.steps), labels = double(config.algorithms.size());
+  const double motion = steps * (double(plan.bodies) * sizeof(geometry::Pose) + 40);
+  const double meshes = 24 * double(size.mesh_vertices) + 12 * double(size.mesh_triangles);
+  double result = kProgram + meshes + motion;
+  // Files that were read stay in the configuration, and once more in the scene.
+  if (!config.inputs.empty()) result += meshes + motion;
+
+  const double moving = config.scene_kind->integrated ? double(plan.bodies) : 0;
+  const double integrating = result + kMovingBody * moving;
+  result += steps * (config.scene_kind->integrated ? sizeof(PhysicsSample) : 0) + 32 * steps + 12 * poses.moving;
+
+  const double chunks = std::ceil(steps / double(kChunkSteps));
+  double hierarchies = 0;
+  hierarchies += double(geometry::bvh_bytes(size.mesh_triangles));
+  double deciding = result + hierarchies + std::min(double(threads), chunks) * 400 * double(plan.bodies);
+  // On every thread the world vertices (24 bytes) and boxes (48 bytes, up to four a vertex) of all bodies.
+  if (config.gap_margin) deciding += std::min(double(threads), chunks) * (24 + 4 * 48) * double(size.body_vertices);
+
+  result += labels * steps * 80 + kGrown * sizeof(geometry::Pair) * poses.moving * labels;
+  double held = 0, methods = 0;  // set up one after another; of extremes one is there at a time
+  for (const LabelPlan& label : plan.labels) {
+    methods = std::max(methods, held + double(label.memory.greatest));
+    if (!plan.case_sets) held += double(label.memory.held);
+  }
+  methods = std::max(methods, held);
+  // A chunk of answers while it is written: it grows as a text.
+  methods +=
+      2 * std::min(steps, double(kChunkSteps)) / steps * labels * (sizeof(geometry::Pair) * poses.moving + 80 * steps);
+
+  // The motion is laid out first: both forms of it twice. Then the columns, the image of the file and its copy.
+  const double columns = labels * steps * 88 + (plan.case_sets ? steps * (100 + 3 * labels) : 0);
+  const double laying = result + kHdf5 + 2 * motion;
+  const double file = double(plan.file_bytes);
+  const double writing = result + kHdf5 + motion + columns + kImage * std::ceil(file / kImage + 0.01) + file;
+  return std::max({integrating, deciding, result + methods, laying, writing});
+}
+
+algorithms::Memory memory_of(const AlgorithmChoice& choice, const geometry::Bodies& bodies) {
+  return algorithms::memory(*algorithms::find(choice.name), bodies, choice.knobs);
+}
+
+std::vector<LabelPlan> labels_of(const geometry::Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
+  std::vector<LabelPlan> out;
+  for (const AlgorithmChoice& choice : choices) {
+    try {
+      out.push_back({choice.label, memory_of(choice, bodies)});
+    } catch (const std::invalid_argument& error) {
+      throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+    }
+  }
+  return out;
+}
+
+/// What methods take of two bodies alone. One that refuses the second mesh has taken what the first needs.
+void count_alone(const Config& config, const std::vector<geometry::Bodies>& pairs, Plan& plan) {
+  for (const AlgorithmChoice& choice : config.algorithms) {
+    LabelPlan label{choice.label, {}};
+    const auto take = [&](const geometry::Bodies& bodies) {
+      const algorithms::Memory memory = memory_of(choice, bodies);
+      label.memory.held = std::max(label.memory.held, memory.held);
+      label.memory.greatest = std::max(label.memory.greatest, memory.greatest);
+      plan.alone_bytes += double(memory.greatest) / double(pairs.size());
+    };
+    for (const geometry::Bodies& two : pairs) {
+      try {
+        take(two);
+      } catch (const std::invalid_argument&) {
+        try {
+          take({.meshes = {two.meshes[0]}, .name = {"a"}, .mesh = {0}, .fixed = {0}, .chosen = {}});
+        } catch (const std::invalid_argument&) {
+        }
+      }
+    }
+    plan.labels.push_back(std::move(label));
+  }
+}
+
+Plan sizes(const Config& config, const SceneSize& size) {
   Plan plan{.bodies = size.bodies, .meshes = size.meshes, .triangles = size.mesh_triangles};
   plan.pairs = size.pairs.value_or(size.bodies * (size.bodies - 1) / 2);
   plan.passes = size.passes;
   plan.case_sets = size.case_sets;
-  const std::uint64_t steps = std::uint64_t(config.steps), algorithms = config.algorithms.size();
-  const std::uint64_t mesh_bytes = 24 * size.mesh_vertices + 12 * size.mesh_triangles;
-  plan.file_bytes = estimated_bytes(steps, size.bodies, algorithms, mesh_bytes);
-  if (plan.case_sets > 0) {  // two bodies a step make lists; of the others there are only poses
-    constexpr std::uint64_t kPose = 7 * 8, kRow = 80, kFlags = 5;
-    plan.file_bytes =
-        estimated_bytes(steps, 2, algorithms, mesh_bytes) + steps * (size.bodies * kPose + kRow + kFlags * algorithms);
-  }
-  // Gaps: about as many pairs as an algorithm reports, each with two reals.
-  if (config.gap_margin) plan.file_bytes += steps * (4 * size.bodies * 24 + 8);
-  // In memory: the result and, while it is written, once more its datasets; of every distinct mesh the hierarchies and
-  // sampled facets (about 200 bytes a triangle) of the truth and of each algorithm. Gaps: on every thread the world
-  // vertices (24 bytes) and boxes (48 bytes, up to four a vertex) of all bodies.
-  plan.memory_bytes = 2 * plan.file_bytes + (1 + algorithms) * 200 * size.mesh_triangles;
-  if (config.gap_margin) {
-    const std::uint64_t chunks = (steps + kChunkSteps - 1) / kChunkSteps;
-    plan.memory_bytes += std::min(std::uint64_t(thread_count(0)), chunks) * (24 + 4 * 48) * size.body_vertices;
-  }
-  if (plan.case_sets > 0) plan.memory_bytes += plan.file_bytes;  // nearly all is motion, there once more for a moment
+  plan.restarts = double((config.steps + kChunkSteps - 1) / kChunkSteps);
+  if (config.scene_kind->events)
+    for (const Ahead& event : config.scene_kind->ahead(config))
+      if (event.bodies > 0) plan.restarts += double(event.every > 0 ? event.before(double(config.steps)) : 1);
   return plan;
 }
+
+void add_bytes(const Config& config, const SceneSize& size, const Poses& poses, int threads, Plan& plan) {
+  const double labels = double(config.algorithms.size());
+  plan.result_bytes =
+      std::uint64_t(8 * motion_values(config, plan) + double(config.steps) * labels * 96 + 8 * poses.moving * labels);
+  plan.file_bytes = std::uint64_t(file_bytes(config, size, plan, poses));
+  plan.memory_bytes = std::uint64_t(memory_bytes(config, size, plan, poses, threads));
+}
+
+}  // namespace
+
+std::string bytes_text(std::uint64_t bytes) {
+  return bytes < (1u << 20) ? print("%.0f KiB", double(bytes) / 1024) : mebibytes_text(bytes);
+}
+
+Plan plan(const Config& config) {
+  if (config.study) {
+    const std::uint64_t cases = study_cases(*config.study).size();
+    Plan plan;
+    plan.cases = cases;
+    plan.file_bytes = std::uint64_t(kStudy + kCase * double(cases));
+    plan.result_bytes = cases * sizeof(StudyRow);
+    plan.memory_bytes = std::uint64_t(kProgram + kHdf5 + kImage) + 3 * plan.result_bytes;
+    return plan;
+  }
+  const SceneSize size = config.scene_kind->size(config);
+  Plan plan = sizes(config, size);
+  Poses poses{.rows = double(config.steps)};
+  if (config.scene_kind->integrated) poses = foreseen_poses(config, size);
+  if (plan.case_sets) {
+    // At a step one of two bodies moves along an axis; a set begins with two others.
+    poses.changed = double(config.steps) + 14 * double(plan.case_sets);
+    poses.moving = double(config.steps);
+    count_alone(config, size.alone, plan);
+  }
+  add_bytes(config, size, poses, thread_count(0), plan);
+  return plan;
+}
+
+Plan plan(const geometry::Bodies& bodies, std::uint64_t steps, const std::vector<AlgorithmChoice>& choices) {
+  Plan plan{.bodies = bodies.size()};
+  plan.labels = labels_of(bodies, choices);
+  plan.result_bytes = steps * (56 * bodies.size() + choices.size() * (96 + 8 * bodies.size()));
+  return plan;
+}
+
+Plan plan(const Config& config, const Scene& scene, int threads) {
+  if (!scene.case_sets.empty()) return plan(config);
+  const SceneSize size = config.scene_kind->size(config);
+  Plan plan = sizes(config, size);
+  plan.labels = labels_of(scene.bodies, config.algorithms);
+  add_bytes(config, size,
+            scene.script.empty() ? foreseen_poses(config, size) : counted_poses(scene.script, scene.bodies), threads,
+            plan);
+  return plan;
+}
+
+namespace {
+
+/// Who wants most of it, where that is a method.
+std::string largest_text(const Plan& plan) {
+  const auto largest =
+      std::ranges::max_element(plan.labels, {}, [](const LabelPlan& label) { return label.memory.greatest; });
+  if (largest == plan.labels.end() || 2 * largest->memory.greatest < plan.memory_bytes) return "";
+  return " (algorithm '" + largest->label + "' about " + mebibytes_text(largest->memory.greatest) +
+         ": sampling fewer facets takes less)";
+}
+
+}  // namespace
 
 void refuse_if_too_large(const Plan& plan, const std::filesystem::path& output) {
   if (plan.memory_bytes > machine_memory())
     throw Error(kInput, "the run needs about " + mebibytes_text(plan.memory_bytes) + " of memory, this machine has " +
-                            mebibytes_text(machine_memory()) + "; fewer steps, bodies or segments make it smaller");
+                            mebibytes_text(machine_memory()) + largest_text(plan) +
+                            "; fewer steps, bodies or segments make it smaller");
   // Twice: the part and the file exist together for a moment.
   if (2 * plan.file_bytes > free_disk(output))
     throw Error(kInput, output.string() + ": the run needs about " + mebibytes_text(2 * plan.file_bytes) +
@@ -78,7 +289,9 @@ void refuse_if_too_large(const Plan& plan, const std::filesystem::path& output) 
                             " free; choose another -o or fewer steps");
 }
 
-std::string plan_text(const Config& config, const Plan& plan, const std::string& output) {
+std::string plan_text(const Config& config, const Plan& plan, const Seconds& time, const std::string& output) {
+  const std::string takes = "takes       about " + duration_text(time.least) + " to " + duration_text(time.most) +
+                            ", " + bytes_text(plan.memory_bytes) + " of memory\n";
   if (config.study) {
     const Study& study = *config.study;
     std::string text = config.title + "\n";
@@ -88,7 +301,7 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
                   study.every > 1 ? print(", one of every %lld", static_cast<long long>(study.every)).c_str() : "");
     text += print("budget      %lld force evaluations and %g s of processor time for each case\n",
                   static_cast<long long>(study.force_evaluations), study.processor_time);
-    return text + "output      " + output + ", about " + bytes_text(plan.file_bytes) + "\n";
+    return text + takes + "output      " + output + ", about " + bytes_text(plan.file_bytes) + "\n";
   }
   std::string text = config.title + "\n";
   text += "scene       " + config.scene_kind->name;
@@ -140,12 +353,14 @@ std::string plan_text(const Config& config, const Plan& plan, const std::string&
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
             knobs_json(choice.knobs) + "\n";
   text += print("timing      %lld repeats\n", static_cast<long long>(config.repeats));
-  text += "output      " + output + ", at most about " + bytes_text(plan.file_bytes) + "; memory about " +
-          bytes_text(plan.memory_bytes) + "\n";
-  return text;
+  // Who takes much of it: a tenth, or more than the program itself.
+  for (const LabelPlan& label : plan.labels)
+    if (label.memory.greatest > std::uint64_t(16 * kMiB) && 10 * label.memory.greatest > plan.memory_bytes)
+      text += "            " + label.label + " alone about " + bytes_text(label.memory.greatest) + "\n";
+  return text + takes + "output      " + output + ", about " + bytes_text(plan.file_bytes) + "\n";
 }
 
-std::string plan_json(const Config& config, const Plan& plan, const std::string& output) {
+std::string plan_json(const Config& config, const Plan& plan, const Seconds& time, const std::string& output) {
   if (config.study)
     return dumped(Json{{"title", config.title},
                        {"study", "integration"},
@@ -153,13 +368,21 @@ std::string plan_json(const Config& config, const Plan& plan, const std::string&
                        {"output", output},
                        {"file_bytes", plan.file_bytes},
                        {"memory_bytes", plan.memory_bytes},
+                       {"seconds", {time.least, time.most}},
                        {"effective", config.effective}});
-  Json json = {{"title", config.title},         {"scene", config.scene_kind->name},
-               {"steps", config.steps},         {"rate", config.rate},
-               {"bodies", plan.bodies},         {"pairs", plan.pairs},
-               {"meshes", plan.meshes},         {"triangles", plan.triangles},
-               {"repeats", config.repeats},     {"output", output},
-               {"file_bytes", plan.file_bytes}, {"memory_bytes", plan.memory_bytes}};
+  Json json = {{"title", config.title},
+               {"scene", config.scene_kind->name},
+               {"steps", config.steps},
+               {"rate", config.rate},
+               {"bodies", plan.bodies},
+               {"pairs", plan.pairs},
+               {"meshes", plan.meshes},
+               {"triangles", plan.triangles},
+               {"repeats", config.repeats},
+               {"output", output},
+               {"file_bytes", plan.file_bytes},
+               {"memory_bytes", plan.memory_bytes},
+               {"seconds", {time.least, time.most}}};
   if (plan.passes > 0) json["passes"] = plan.passes;
   if (plan.case_sets > 0) json["case_sets"] = plan.case_sets;
   json["containment"] = text_of(config.containment);
@@ -171,6 +394,8 @@ std::string plan_json(const Config& config, const Plan& plan, const std::string&
   for (const AlgorithmChoice& choice : config.algorithms)
     json["algorithms"].push_back(
         {{"label", choice.label}, {"name", choice.name}, {"knobs", Json::parse(knobs_json(choice.knobs))}});
+  for (std::size_t i = 0; i < plan.labels.size(); ++i)
+    json["algorithms"][i]["memory_bytes"] = plan.labels[i].memory.greatest;
   json["effective"] = config.effective;
   return dumped(json);
 }

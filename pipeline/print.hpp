@@ -6,10 +6,13 @@ namespace pipeline {
 
 std::string print(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
-/// Two blanks a level and a line end. Bytes of a file name that are no UTF-8 become the replacement character.
+/// JSON with the control characters escaped that JSON allows as they are and terminals may obey: U+007F to U+009F.
+std::string with_controls_escaped(std::string json);
+
+/// Two blanks a level and a line end. Bytes that are no UTF-8 become the replacement character.
 template <class Json>
 std::string dumped(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return with_controls_escaped(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
 }
 
 }  // namespace pipeline

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "build_info.hpp"
+#include "pipeline/file_bytes.hpp"
 #include "pipeline/simulate.hpp"
 
 namespace pipeline {
@@ -106,13 +107,7 @@ std::string sha256(std::string_view bytes) {
   unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int size = 0;
   EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr);
-  std::string hex;
-  for (unsigned int i = 0; i < size; ++i) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    hex += kDigits[digest[i] >> 4];
-    hex += kDigits[digest[i] & 15];
-  }
-  return hex;
+  return hex({digest, size});
 }
 
 std::string program_sha256() {

@@ -73,7 +73,11 @@ struct Truth {
   PairLists hits;                     // by surface
   std::vector<std::int64_t> time_ns;  // S
   Containment containment = Containment::ignore;
-  PairLists contained;           // disjoint from hits; without steps when ignored
+  PairLists contained;  // disjoint from hits; without steps when ignored
+  // Where `contained` has steps: of each of its pairs the body that is inside. Absent in files older than it.
+  std::optional<std::vector<std::uint32_t>> contained_inside;
+  // Likewise, per distinct mesh: the distance of corners taken for one so that it is closed, m; NaN: open.
+  std::vector<double> closed_within;
   std::optional<GapLists> gaps;  // only where asked for
 
   bool lists_contained() const { return containment != Containment::ignore; }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "pipeline/detect.hpp"
 #include "pipeline/error.hpp"
@@ -19,6 +20,7 @@
 #include "pipeline/store.hpp"
 #include "pipeline/study.hpp"
 #include "pipeline/threads.hpp"
+#include "pipeline/trial.hpp"
 #include "pipeline/truth.hpp"
 
 namespace pipeline {
@@ -56,12 +58,22 @@ void describe(Result& result, const Config& config, Provenance from, std::chrono
 /// What algorithms answer about a motion and its truth; of extremes, which have `sets`, also case by case.
 ExtremesDetected answered(const Result& result, const std::vector<CaseSet>& sets,
                           const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Part* part,
-                          bool quiet) {
-  Progress progress("detect", result.steps(), quiet);
+                          bool quiet, Forecast& forecast) {
+  Progress progress("detect", result.steps(), quiet, &forecast);
   if (sets.empty())
     return {detect(result.bodies, result.motion, result.truth, choices, repeats, machine(), part, progress), {}};
   return detect_extremes(result.bodies, result.motion, result.truth, sets, choices, repeats, machine(), part, progress);
 }
+
+/// Digest, file and its place.
+void store(Result& result, Target& target, bool quiet, Forecast& forecast) {
+  Progress progress("store", 1, quiet, &forecast, "file");
+  write_result(result, target);
+  progress.add(1);
+}
+
+/// Seconds for a trial of the stages, where somebody looks; little beside what a run takes that is worth it.
+constexpr double kTrial = 0.6;
 
 /// A study: cases instead of a scene.
 Result run_study(const Config& config, const RunOptions& options, std::chrono::steady_clock::time_point start) {
@@ -69,14 +81,14 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
   const fs::path part_path = output.string() + ".part";
   Provenance from = provenance();
   const std::vector<StudyRow> cases = study_cases(*config.study);
-  Target target(output, options.force);
+  Target target(output, options.force ? Existing::replace : Existing::refuse);
   Part part(part_path, part_key(config, from), config.title, std::int64_t(cases.size()), options.force, true);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   // More would be short of processor, and its budget of wall time could decide.
   const int processes = std::min(thread_count(options.threads), thread_count(0));
   Result result;
   {
-    Progress progress("cases", cases.size(), options.quiet);
+    Progress progress("cases", cases.size(), options.quiet, nullptr, "case");
     result.study = study_rows(*config.study, cases, processes, part, progress);
   }
   describe(result, config, std::move(from), start);
@@ -112,23 +124,40 @@ Result run(const Config& config, const RunOptions& options) {
   refuse_if_too_large(plan(config), output);
   if (config.study) return run_study(config, options, start);
 
-  Scene scene = config.scene_kind->make(config);
+  Scene scene = make_scene(config);
+  if (!scene.case_sets.empty() && config.containment != Containment::ignore)
+    for (const geometry::Mesh& mesh : scene.bodies.meshes)
+      if (const geometry::Solid solid = geometry::solid_of(mesh, config.closed_within); !solid.closed)
+        std::fprintf(stderr, "warning: mesh '%s': the surface is open, %s; nothing can be inside it\n",
+                     mesh.name.c_str(), geometry::open_text(solid).c_str());
+  const int threads = thread_count(options.threads);
+  const Plan planned = plan(config, scene, threads);
+  refuse_if_too_large(planned, output);
   if (scene.case_sets.empty()) refuse_unfit(scene.bodies, config.algorithms);  // of extremes a refusal is an answer
 
   Provenance from = provenance();
-  Target target(output, options.force);
+  Target target(output, options.force ? Existing::replace : Existing::refuse);
   Part part(part_path, part_key(config, from), config.title, config.steps, options.force);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
-  const int threads = thread_count(options.threads);
+  Forecast forecast;
+  if (!options.quiet) forecast = Forecast(foreseen_stages(config, scene, planned, threads, kTrial));
   const std::uint64_t steps = std::uint64_t(config.steps);
 
+  // While the motion is made, how long its answers will take is looked at where that is worth the time.
+  std::optional<Looks> looks;
+  AfterChunk after_chunk;
+  if (const Stage* detecting = forecast.find("detect");
+      detecting && detecting->seconds() > 5 * kTrial && config.scene_kind->integrated) {
+    looks.emplace(scene.bodies, config.algorithms, config.repeats, planned, *detecting);
+    after_chunk = [&](const auto& poses) { forecast.improve(looks->look(poses)); };
+  }
   Result result;
   {
-    Progress progress("motion", steps, options.quiet);
+    Progress progress("motion", steps, options.quiet, &forecast);
     if (config.scene_kind->integrated) {
       Motion motion;
       try {
-        motion = integrate(config, scene, part, progress);
+        motion = integrate(config, scene, part, progress, after_chunk);
       } catch (const Error& error) {
         if (error.code() == kInput) part.remove();  // no run of this configuration can ever finish: nothing stays
         throw;
@@ -140,21 +169,23 @@ Result run(const Config& config, const RunOptions& options) {
       progress.add(steps);
     }
   }
+  looks.reset();
   result.bodies = std::move(scene.bodies);
   {
-    Progress progress("truth", steps, options.quiet);
+    Progress progress("truth", steps, options.quiet, &forecast);
     result.truth = decide(result.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);
   }
   if (!scene.case_sets.empty()) {
-    Progress progress("cases", steps, options.quiet);
+    Progress progress("cases", steps, options.quiet, &forecast, "case");
     result.extremes.emplace().rows =
         extreme_rows(result.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
   }
-  ExtremesDetected found = answered(result, scene.case_sets, config.algorithms, config.repeats, &part, options.quiet);
+  ExtremesDetected found =
+      answered(result, scene.case_sets, config.algorithms, config.repeats, &part, options.quiet, forecast);
   result.answers = std::move(found.answers);
   if (result.extremes) result.extremes->answers = std::move(found.cases);
   if (!scene.passes.empty()) {
-    Progress progress("passes", scene.passes.size() * (1 + result.answers.size()), options.quiet);
+    Progress progress("passes", scene.passes.size() * (1 + result.answers.size()), options.quiet, &forecast, "pass");
     Passes passes;
     passes.rows = pass_rows(result.bodies, result.motion, result.truth, scene.passes, progress);
     for (std::size_t a = 0; a < result.answers.size(); ++a)
@@ -162,13 +193,13 @@ Result run(const Config& config, const RunOptions& options) {
                                             result.answers[a], config.algorithms[a], progress));
     result.passes = std::move(passes);
   }
-  const std::uint64_t pairs = total_pairs(result.bodies, result.motion);
+  const std::uint64_t pairs = judged_pairs(result);
   for (const Answers& answers : result.answers) result.summary.push_back(summarise(answers, pairs));
 
   result.first_step = first_steps(result.motion, result.bodies.size());
   describe(result, config, std::move(from), start);
   part.mark_complete();
-  write_result(result, target);
+  store(result, target, options.quiet, forecast);
   part.remove();
   return result;
 }
@@ -177,13 +208,14 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   for (const std::string& argument : arguments) parse_algorithm(argument);  // mistakes are said before the file is read
   std::error_code missing;
   const fs::path real = fs::canonical(file, missing);  // a link stays one
-  if (missing) read_result(file);                      // throws what is wrong
-  Target target(real, true);
-  Result result = read_result(real);
+  if (missing) read_result(file, options.unsealed);    // throws what is wrong
+  Target target(real, Existing::update);
+  Result result = read_result(real, options.unsealed);
   if (result.study)
     throw Error(kFile,
                 file.string() + ": is a study of the integrators, without poses to answer; name a result of a scene");
-  const Config config = parse_config(result.config_effective, file.string() + ":/config@effective");
+  const Config config = recorded_config(result.config_effective, file.string());
+  result.bodies.closed_within = config.closed_within;
   std::vector<AlgorithmChoice> choices;
   for (const std::string& argument : arguments) choices.push_back(parse_algorithm(argument, config.containment));
   if (choices.empty()) choices = config.algorithms;
@@ -210,20 +242,30 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   } else {
     refuse_unfit(result.bodies, choices);
   }
-  ExtremesDetected found = answered(result, sets, choices, config.repeats, nullptr, options.quiet);
+  Forecast forecast;
+  if (!options.quiet && sets.empty()) {
+    const Plan planned = plan(result.bodies, result.steps(), choices);
+    forecast = Forecast(foreseen_stages(result.bodies, result.motion, choices, config.repeats,
+                                        result.passes ? result.passes->rows.size() : 0, planned, kTrial));
+  }
+  ExtremesDetected found = answered(result, sets, choices, config.repeats, nullptr, options.quiet, forecast);
   std::vector<Answers>& fresh = found.answers;
   std::vector<PassAnswers> fresh_passes;
   if (result.passes) {
     // The file holds where the hero was at its samples; where it was between them its configuration says.
     const std::vector<Pass> passes = config.scene_kind->make(config).passes;
-    if (passes.size() != result.passes->rows.size())
+    const auto same = [&](const Pass& pass, const PassRow& row) {
+      return std::uint64_t(pass.first_step) == row.first_step && std::uint64_t(pass.samples) == row.samples &&
+             row.samples <= result.steps() && row.first_step <= result.steps() - row.samples;
+    };
+    if (!std::ranges::equal(passes, result.passes->rows, same))
       throw Error(kFile, file.string() + ": its passes are not those of its configuration; run again with --force");
-    Progress progress("passes", passes.size() * fresh.size(), options.quiet);
+    Progress progress("passes", passes.size() * fresh.size(), options.quiet, &forecast, "pass");
     for (std::size_t a = 0; a < fresh.size(); ++a)
       fresh_passes.push_back(pass_answers(result.bodies, result.motion, result.truth, passes, result.passes->rows,
                                           fresh[a], choices[a], progress));
   }
-  const std::uint64_t pairs = total_pairs(result.bodies, result.motion);
+  const std::uint64_t pairs = judged_pairs(result);
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     Answers& answers = fresh[i];
     const std::size_t at = std::size_t(index_of(answers.label));
@@ -238,7 +280,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     result.summary[at] = summarise(answers, pairs);
     result.answers[at] = std::move(answers);
   }
-  write_result(result, target);
+  store(result, target, options.quiet, forecast);
   return result;
 }
 

@@ -14,6 +14,7 @@ struct RunOptions {
   int threads = 0;               // of the truth stage; 0: all cores
   bool force = false;            // replace an existing output, discard another run's part
   bool quiet = false;            // no progress
+  bool unsealed = false;         // of an existing file: read it although its seal does not hold
 };
 
 std::filesystem::path output_path(const Config& config, const RunOptions& options);
@@ -22,9 +23,9 @@ std::filesystem::path output_path(const Config& config, const RunOptions& option
 /// Throws Error.
 Result run(const Config& config, const RunOptions& options);
 
-/// Answers and times algorithms on the motion and truth of an existing file, and replaces the file by one that has them.
-/// `arguments` are --algorithm arguments; none means those of the file's own configuration. A label that exists is
-/// refused without options.force, which replaces its answers. Throws Error.
+/// Answers and times algorithms on the motion and truth of an existing file, and replaces the file by one that has
+/// them. `arguments` are --algorithm arguments; none means those of the file's own configuration. A label that exists
+/// is refused without options.force, which replaces its answers. Throws Error.
 Result detect_again(const std::filesystem::path& file, const std::vector<std::string>& arguments,
                     const RunOptions& options);
 

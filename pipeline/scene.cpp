@@ -1,5 +1,6 @@
 #include "pipeline/scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -8,13 +9,54 @@ namespace pipeline {
 
 const std::vector<SceneKind>& scene_kinds() {
   static const std::vector<SceneKind> kinds = {
-      falling_kind(),
-      box_kind(),
-      playground_kind(),
-      replay_kind(),
-      extremes_kind(),
+      falling_kind(), box_kind(), playground_kind(), replay_kind(), extremes_kind(),
   };
   return kinds;
+}
+
+Scene make_scene(const Config& config) {
+  Scene scene = config.scene_kind->make(config);
+  scene.bodies.closed_within = config.closed_within;
+  return scene;
+}
+
+std::uint64_t Ahead::before(double steps) const {
+  const double last = steps - 1;  // what happens between two samples shows in the later one
+  if (!(first <= last)) return 0;
+  if (every == 0) return times;
+  return std::uint64_t(std::min(double(times), std::floor((last - first) / every) + 1));
+}
+
+std::string left_out(const Config& config) {
+  if (config.study || !config.scene_kind->ahead) return "";
+  struct Left {
+    std::string what;
+    std::uint64_t times = 0, left = 0;
+    double first = 0, last = 0;  // steps of what is left
+  };
+  std::vector<Left> kinds;
+  for (const Ahead& event : config.scene_kind->ahead(config)) {
+    auto kind = std::ranges::find(kinds, event.what, &Left::what);
+    if (kind == kinds.end()) kind = kinds.insert(kind, {.what = event.what});
+    const std::uint64_t seen = event.before(double(config.steps));
+    kind->times += event.times;
+    if (seen == event.times) continue;
+    const double first = event.step(seen), last = event.step(event.times - 1);
+    kind->first = kind->left == 0 ? first : std::min(kind->first, first);
+    kind->last = kind->left == 0 ? last : std::max(kind->last, last);
+    kind->left += event.times - seen;
+  }
+  std::string list;
+  for (const Left& kind : kinds) {
+    if (kind.left == 0) continue;
+    const auto step = [](double at) { return std::to_string(std::int64_t(std::ceil(at))); };
+    list += list.empty() ? "" : ", ";
+    list += kind.times == 1 ? "the " : std::to_string(kind.left) + " of " + std::to_string(kind.times) + " ";
+    list += kind.what + " (step " + step(kind.first) + (kind.left > 1 ? " to " + step(kind.last) : "") + ")";
+  }
+  if (list.empty()) return "";
+  return one_line(config.path.string(), 4096) + ": " + std::to_string(config.steps) + " steps leave out " + list +
+         ": what remains is another scene";
 }
 
 BodyState unborn_state() {

@@ -4,6 +4,7 @@
 // bodies.
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,22 @@ struct Scene {
   std::vector<ExtremeCase> cases;                   // S, of extremes: how the pair is placed
 };
 
+/// What happens in a scene and is known beforehand: at step `first`, and so many times in all, every `every` steps.
+struct Ahead {
+  std::string what;  // "landing of set 3, 216 spheres"; or "births", of which there are several
+  double first = 0;
+  std::uint64_t times = 1;
+  double every = 0;
+  std::uint64_t bodies =
+      0;  // that move otherwise from then on, each time: before they stand, fall freely or are not born
+
+  double lasts = std::numeric_limits<double>::infinity();  // steps until they calm down
+
+  double step(std::uint64_t time) const { return first + every * double(time); }
+  /// How many of them are at steps below `steps`.
+  std::uint64_t before(double steps) const;
+};
+
 /// How large a scene is, without making it.
 struct SceneSize {
   std::uint64_t bodies = 0, meshes = 0;
@@ -38,6 +55,8 @@ struct SceneSize {
   std::uint64_t passes = 0;                             // of scripted scenes
   std::uint64_t case_sets = 0;                          // of scenes of extremes
   std::optional<std::uint64_t> pairs = {};              // asked about at a step; absent: all that the bodies make
+  std::vector<geometry::Bodies> alone =
+      {};  // of extremes: the distinct pairs of bodies, one of which is there at a step
 };
 
 /// One kind of scene, as data.
@@ -59,11 +78,22 @@ struct SceneKind {
   std::string (*breach)(const Config& config, const std::vector<BodyState>& states) = nullptr;
   // Of scripted scenes: how many steps the script has. A configuration may ask for fewer, not for more.
   std::int64_t (*steps)(const Config& config) = nullptr;
+  /// Whether anything is drawn from the seed; null: never.
+  bool (*draws)(const Config& config) = nullptr;
+  std::string draw_by = {};  // the key that has something drawn, and its value; empty: there is none
+  /// What is known beforehand, whatever the steps of the configuration; null: nothing is.
+  std::vector<Ahead> (*ahead)(const Config& config) = nullptr;
+  /// Of integrated scenes: changes the initial states, after the events of step 0, to such as there are when all of
+  /// `ahead` has happened. A guess, of which only times are foretold. Null: they are like the first.
+  void (*hurry)(const Config& config, std::vector<BodyState>& states) = nullptr;
   /// Reads the files that the scene names, once, and what follows from them into `config`; null: it names none.
   void (*complete)(Config& config) = nullptr;
 };
 
 const std::vector<SceneKind>& scene_kinds();
+
+/// The scene of a configuration.
+Scene make_scene(const Config& config);
 
 // The rows, each from its own file.
 SceneKind falling_kind();
@@ -71,6 +101,9 @@ SceneKind box_kind();
 SceneKind playground_kind();
 SceneKind replay_kind();
 SceneKind extremes_kind();
+
+/// What a run of the configuration's steps leaves out of its scene, as one line; empty: nothing that is known.
+std::string left_out(const Config& config);
 
 /// The state of a body that is not born yet: NaN throughout.
 BodyState unborn_state();

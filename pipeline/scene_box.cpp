@@ -219,6 +219,28 @@ std::string breach(const Config& config, const std::vector<BodyState>& states) {
   return "";
 }
 
+std::vector<Ahead> ahead(const Config& config) {
+  const BoxScene& box = box_of(config);
+  std::vector<Ahead> out{{.what = "births",
+                          .first = double(box.births.from),
+                          .times = std::uint64_t(box.births.count),
+                          .every = double(box.births.every),
+                          .bodies = 1}};
+  // Pushes go on for ever: only a run before the first of them lacks something.
+  if (box.push.speed > 0) out.push_back({.what = "first push", .first = double(box.push.from)});
+  return out;
+}
+
+/// All spheres are born, and what was born flies.
+void hurry(const Config& config, std::vector<BodyState>& states) {
+  const BoxScene& box = box_of(config);
+  for (std::int64_t i = 0; i < born_by(box, config.steps - 1); ++i) {
+    BodyState& state = states[kPlates + std::size_t(i)];
+    if (!is_born(state)) state = born(config, i, config.steps - 1, states);
+    push(state, box.push.directions.front(), box.push.speed);
+  }
+}
+
 }  // namespace
 
 SceneKind box_kind() {
@@ -230,7 +252,10 @@ SceneKind box_kind() {
           .size = size,
           .make = make,
           .events = events,
-          .breach = breach};
+          .breach = breach,
+          .draws = [](const Config&) { return true; },  // where every sphere is born
+          .ahead = ahead,
+          .hurry = hurry};
 }
 
 }  // namespace pipeline

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "geometry/meet.hpp"
 #include "geometry/shapes.hpp"
@@ -223,8 +224,28 @@ SceneSize size(const Config& config) {
   }
   for (std::uint32_t body = 0; body < bodies.size(); ++body) size.body_vertices += bodies.mesh_of(body).vertices.size();
   size.pairs = 1;
-  for_each_set(scene, all, [&](std::uint64_t, const PairKind&, const Place&) { ++size.case_sets; });
+  std::set<std::pair<std::string, double>> seen;
+  for_each_set(scene, all, [&](std::uint64_t, const PairKind& kind, const Place& place) {
+    ++size.case_sets;
+    if (!seen.emplace(kind.name, place.scale).second) return;
+    const auto mesh = [&](const std::string& shape) {
+      return *std::ranges::find(bodies.meshes, shape + "_" + real_text(place.scale), &Mesh::name);
+    };
+    size.alone.push_back(
+        {.meshes = {mesh(kind.a), mesh(kind.b)}, .name = {"a", "b"}, .mesh = {0, 1}, .fixed = {0, 0}, .chosen = {}});
+  });
   return size;
+}
+
+std::vector<Ahead> ahead(const Config& config) {
+  const ExtremesScene& scene = std::get<ExtremesScene>(config.scene);
+  std::vector<Ahead> out;
+  double step = 0;
+  for_each_set(scene, places(scene), [&](std::uint64_t, const PairKind&, const Place& place) {
+    step += double(place.gaps.size());
+    out.push_back({.what = "sets of gaps", .first = step - 1});
+  });
+  return out;
 }
 
 // ---- Touching ------------------------------------------------------------------------------------------------------
@@ -366,7 +387,9 @@ SceneKind extremes_kind() {
           .write = write,
           .size = size,
           .make = make,
-          .steps = steps};
+          .steps = steps,
+          .draws = [](const Config&) { return true; },  // how the two of every pair lie
+          .ahead = ahead};
 }
 
 }  // namespace pipeline

@@ -384,6 +384,13 @@ Scene make(const Config& config) {
   return scene;
 }
 
+std::vector<Ahead> ahead(const Config& config) {
+  std::vector<Ahead> out;
+  for (const Pass& pass : all_passes(std::get<PlaygroundScene>(config.scene)))
+    out.push_back({.what = "passes", .first = double(pass.first_step + pass.samples - 1)});
+  return out;
+}
+
 }  // namespace
 
 SceneKind playground_kind() {
@@ -394,7 +401,8 @@ SceneKind playground_kind() {
           .write = write,
           .size = size,
           .make = make,
-          .steps = steps};
+          .steps = steps,
+          .ahead = ahead};
 }
 
 }  // namespace pipeline

@@ -3,17 +3,17 @@
 //
 // Keys are read without touching the files they name, because a result's own configuration is read again long after
 // they are gone. The files are read once, when the configuration is (complete), and kept with it.
+#include <fcntl.h>
+
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 #include <set>
 
 #include "geometry/contain.hpp"
 #include "geometry/mesh_file.hpp"
+#include "geometry/shells.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/file_bytes.hpp"
 #include "pipeline/poses_csv.hpp"
 #include "pipeline/provenance.hpp"
 #include "pipeline/scene.hpp"
@@ -25,8 +25,11 @@ namespace pipeline {
 /// What the files of a replayed scene hold.
 struct ReplayInputs {
   geometry::Bodies bodies;
-  std::vector<std::vector<geometry::Pose>> poses;  // all steps x B
+  CsvMotion csv;
+  std::vector<std::vector<geometry::Pose>> poses;  // S x B, of an earlier result; else empty
   std::optional<double> rate;                      // of an earlier result
+
+  std::int64_t steps() const { return poses.empty() ? csv.steps : std::int64_t(poses.size()); }
 };
 
 namespace {
@@ -76,14 +79,14 @@ ReplayBody read_body(const Section& s) {
 }
 
 void read(const Section& s, Config& config) {
-  s.only({"kind", "poses", "motion", "only", "body"});
+  s.only({"kind", "poses", "motion", "only", "half_turns", "body"});
   ReplayScene scene;
   scene.only = s.texts("only");
   if (s.has("only") && scene.only.empty()) s.refuse("only", "name at least one body", "leave it out for all pairs");
   if (s.has("only")) scene.only_place = place_of(s, "only");
   if (s.has("motion")) {
     const std::string remedy = "bodies, meshes and poses are those of that result";
-    for (const char* key : {"poses", "body"})
+    for (const char* key : {"poses", "half_turns", "body"})
       if (s.has(key)) s.refuse(key, "be absent where 'motion' is given", remedy);
     scene.motion = s.text("motion", "");
     if (scene.motion.empty()) s.refuse("motion", "name a result file");
@@ -94,6 +97,7 @@ void read(const Section& s, Config& config) {
     scene.poses = s.text("poses", "");
     if (scene.poses.empty()) s.refuse("poses", "name a CSV file");
     scene.place = place_of(s, "poses");
+    scene.half_turns = s.boolean("half_turns", false);
     std::set<std::string> taken;
     for (const Section& t : s.sections("body")) {
       scene.bodies.push_back(read_body(t));
@@ -113,6 +117,7 @@ void write(const Config& config, TomlText& out) {
     out.line("poses", scene.poses);
   else
     out.line("motion", scene.motion);
+  if (scene.half_turns) out.line("half_turns", true);
   if (!scene.only.empty()) out.list("only", scene.only);
   for (const ReplayBody& body : scene.bodies) {
     out.table("[[scene.body]]");
@@ -138,26 +143,43 @@ struct Input {
 /// Reads the file that the key at `place` names and keeps its hash.
 Input read_input(Config& config, const std::string& written, const std::string& place) {
   const fs::path path = config.path.parent_path() / written;
-  const auto refuse = [&](const char* why) {
-    throw Error(kInput, place + " must name a file that can be read, not " + in_quotes(one_line(written)) + ": " +
-                            one_line(path.string(), 4096) + ": " + why);
-  };
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!stream) refuse(std::strerror(errno));
   Input input{.path = one_line(path.string(), 4096), .bytes = {}};
-  std::error_code error;
-  if (const auto size = fs::file_size(path, error); !error) input.bytes.reserve(size);
-  std::vector<char> block(1 << 20);
-  while (const std::size_t got = std::fread(block.data(), 1, block.size(), stream.get()))
-    input.bytes.append(block.data(), got);
-  if (std::ferror(stream.get())) refuse(std::strerror(errno));  // fopen opens folders; reading them fails
+  try {
+    input.bytes = read_regular(AT_FDCWD, path, /*follow_links=*/true, machine_memory() / 2);
+  } catch (const FileFailure& failure) {
+    throw Error(kInput, place + " must name a file that can be read, not " + in_quotes(one_line(written)) + ": " +
+                            input.path + ": " + failure.what());
+  }
   config.inputs[written] = sha256(input.bytes);
   return input;
 }
 
-void note_flaws(const geometry::Mesh& mesh, const std::string& file, Config& config) {
-  if (!geometry::is_closed(mesh) && !geometry::solid_of(mesh).closed)
-    config.notes.push_back(file + ": the surface is open; it is used as it is");
+/// How many, with the noun in the number it needs.
+std::string counted(std::size_t n, const std::string& one, const std::string& many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+/// Says what the parity rule makes hollow.
+void note_hollows(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file, Config& config) {
+  const geometry::Shells found = geometry::shells_of(mesh, solid);
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  if (found.repeated_facets > 0)
+    add(counted(found.repeated_facets, "facet stands", "facets stand") + " where another stands already");
+  if (found.meeting > 0)
+    add(std::to_string(found.meeting) + " of its " + std::to_string(found.shells) + " shells touch or cross another");
+  if (found.nested_alike > 0)
+    add(counted(found.nested_alike, "shell lies", "shells lie") + " inside another that faces the same way");
+  if (!text.empty()) config.notes.push_back(file + ": " + text + "; what lies in two shells counts as outside");
+}
+
+/// What should be said of a mesh that others made.
+void note_flaws(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file, Config& config) {
+  const bool contained = config.containment != Containment::ignore;
+  if (!solid.closed)
+    config.notes.push_back(file + ": the surface is open, " + geometry::open_text(solid) + "; it is used as it is" +
+                           (contained ? ", and nothing can be inside it" : ""));
+  if (contained) note_hollows(mesh, solid, file, config);
   if (const std::size_t flat = geometry::degenerate_facets(mesh); flat > 0)
     config.notes.push_back(file + ": " + std::to_string(flat) + (flat == 1 ? " triangle has" : " triangles have") +
                            " no area; used as they are");
@@ -168,6 +190,8 @@ void note_flaws(const geometry::Mesh& mesh, const std::string& file, Config& con
 geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
   geometry::Bodies bodies;
   std::map<std::string, std::uint32_t> known;  // by the text of `shape`
+  std::optional<std::pair<ReplayBody, geometry::Solid>> first_open;
+  bool any_closed = false;
   for (const ReplayBody& body : scene.bodies) {
     TomlText text;
     if (body.shape)
@@ -179,51 +203,69 @@ geometry::Bodies load_bodies(Config& config, const ReplayScene& scene) {
       geometry::Mesh mesh;
       if (body.shape) {
         mesh = make_mesh(*body.shape, body.name);
+        any_closed = true;
       } else {
         const Input input = read_input(config, body.mesh, body.place);
+        std::string said;
         try {
-          mesh = geometry::parse_mesh(input.bytes, input.path, body.name);
+          mesh = geometry::parse_mesh(input.bytes, input.path, body.name, &said);
+          if (!said.empty()) config.notes.push_back(said);
         } catch (const geometry::MeshFileError& error) {
           throw Error(kInput, error.what());
         }
         mesh.shape = "{\"file\": " + in_quotes(one_line(body.mesh, 4096)) + "}";
-        note_flaws(mesh, input.path, config);
+        geometry::Solid solid = geometry::solid_of(mesh, config.closed_within);
+        note_flaws(mesh, solid, input.path, config);
+        any_closed |= solid.closed;
+        if (!solid.closed && !first_open) first_open.emplace(body, std::move(solid));
       }
-      if (config.containment != Containment::ignore && !geometry::solid_of(mesh).closed)
-        throw Error(kInput, body.place + " of body '" + body.name + "': " + open_mesh_text(mesh.name));
       bodies.meshes.push_back(std::move(mesh));
     }
     bodies.name.push_back(body.name);
     bodies.mesh.push_back(at->second);
     bodies.fixed.push_back(body.fixed);
   }
+  if (config.containment != Containment::ignore && !any_closed)
+    throw Error(kInput, first_open->first.place + " of body '" + first_open->first.name +
+                            "': " + all_open_text(first_open->first.name, first_open->second));
   return bodies;
 }
 
-std::vector<std::vector<geometry::Pose>> load_poses(Config& config, const ReplayScene& scene) {
+CsvMotion load_poses(Config& config, const ReplayScene& scene) {
   std::vector<CsvBody> bodies;
   for (const ReplayBody& body : scene.bodies)
     bodies.push_back({body.name, !body.fixed     ? CsvBody::every_step
                                  : body.position ? CsvBody::none
                                                  : CsvBody::first_step});
   const Input input = read_input(config, scene.poses, scene.place);
-  auto poses = parse_poses(input.bytes, input.path, bodies);
+  CsvMotion motion = parse_poses(input.bytes, input.path, bodies);
+  if (motion.begins_with_half_turns && !scene.half_turns)
+    config.notes.push_back(input.path +
+                           ": the first quaternion of every body has qw = 0, a half turn: are they in the order of "
+                           "the header? If they are x, y, z, w, let the header end with qx,qy,qz,qw; if half turns are "
+                           "meant, set scene.half_turns = true");
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b].rows != CsvBody::none) continue;
     const auto& t = *scene.bodies[b].position;
     const auto& q = scene.bodies[b].orientation;
-    const geometry::Pose pose{geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}};
-    for (auto& step : poses) step[b] = pose;
+    motion.tracks[b] = {
+        .first = 0, .stays = true, .poses = {{geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}}}};
   }
-  return poses;
+  return motion;
 }
 
 void load_result(Config& config, const ReplayScene& scene, ReplayInputs& inputs) {
   const std::string path = read_input(config, scene.motion, scene.place).path;
   Result earlier = read_result(path);
-  if (config.containment != Containment::ignore)
-    for (const geometry::Mesh& mesh : earlier.bodies.meshes)
-      if (!geometry::solid_of(mesh).closed) throw Error(kInput, scene.place + ": " + open_mesh_text(mesh.name));
+  if (config.containment != Containment::ignore) {
+    std::vector<geometry::Solid> solids;
+    for (const geometry::Mesh& mesh : earlier.bodies.meshes) {
+      solids.push_back(geometry::solid_of(mesh, config.closed_within));
+      note_flaws(mesh, solids.back(), path + ": mesh '" + mesh.name + "'", config);
+    }
+    if (std::ranges::none_of(solids, &geometry::Solid::closed))
+      throw Error(kInput, scene.place + ": " + all_open_text(earlier.bodies.meshes[0].name, solids[0]));
+  }
   inputs.bodies = std::move(earlier.bodies);
   inputs.poses = std::move(earlier.motion);
   inputs.rate = earlier.rate;
@@ -236,7 +278,7 @@ std::shared_ptr<const ReplayInputs> load(Config& config) {
     load_result(config, scene, *inputs);
   } else {
     inputs->bodies = load_bodies(config, scene);
-    inputs->poses = load_poses(config, scene);
+    inputs->csv = load_poses(config, scene);
   }
   if (scene.only.empty()) return inputs;
   geometry::Bodies& bodies = inputs->bodies;
@@ -253,7 +295,7 @@ std::shared_ptr<const ReplayInputs> load(Config& config) {
 
 void complete(Config& config) {
   auto inputs = load(config);
-  const std::int64_t steps = std::int64_t(inputs->poses.size());
+  const std::int64_t steps = inputs->steps();
   ReplayScene& scene = std::get<ReplayScene>(config.scene);
   if (config.steps_place.empty())
     config.steps = steps;
@@ -286,8 +328,21 @@ Scene make(const Config& config) {
   const ReplayInputs& inputs = inputs_of(config);
   Scene scene;
   scene.bodies = inputs.bodies;
-  scene.script.assign(inputs.poses.begin(), inputs.poses.begin() + config.steps);
+  if (inputs.poses.empty())
+    scene.script = poses_of(inputs.csv, config.steps);
+  else
+    scene.script.assign(inputs.poses.begin(), inputs.poses.begin() + config.steps);
   return scene;
+}
+
+std::vector<Ahead> ahead(const Config& config) {
+  const ReplayInputs& inputs = inputs_of(config);
+  std::vector<Ahead> out;
+  for (std::size_t b = 0; b < inputs.bodies.size(); ++b) {
+    const auto birth = std::ranges::find_if(inputs.poses, [b](const auto& step) { return geometry::is_born(step[b]); });
+    out.push_back({.what = "births", .first = double(birth - inputs.poses.begin())});
+  }
+  return out;
 }
 
 }  // namespace
@@ -300,6 +355,7 @@ SceneKind replay_kind() {
           .write = write,
           .size = size,
           .make = make,
+          .ahead = ahead,
           .complete = complete};
 }
 

@@ -18,12 +18,11 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   row.false_positive = total(answers.false_positive);
   row.false_negative = total(answers.false_negative);
   if (!answers.contained_hit.empty()) row.contained_hit = total(answers.contained_hit);
-  const std::uint64_t contained = row.contained_hit.value_or(0);
-  row.hits = row.true_positive + row.false_positive + contained;
+  row.hits = row.true_positive + row.false_positive + row.contained_hit.value_or(0);
   row.operations = total(answers.operations);
 
   const double tp = double(row.true_positive), fp = double(row.false_positive), fn = double(row.false_negative);
-  const double tn = double(pairs - row.true_positive - row.false_positive - row.false_negative - contained);
+  const double tn = double(pairs - row.true_positive - row.false_positive - row.false_negative);
   row.error = tp + fp + fn == 0 ? 0 : (fp + fn) / (tp + fp + fn);
   row.precision = ratio(tp, tp + fp);
   row.recall = ratio(tp, tp + fn);
@@ -43,10 +42,10 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   return row;
 }
 
-std::uint64_t total_pairs(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses) {
+std::uint64_t judged_pairs(const Result& result) {
   std::uint64_t pairs = 0;
-  for (const auto& step : poses) pairs += geometry::pair_count(geometry::pair_runs(bodies, step));
-  return pairs;
+  for (const auto& step : result.motion) pairs += geometry::pair_count(geometry::pair_runs(result.bodies, step));
+  return result.truth.containment == Containment::record ? pairs - result.truth.contained.pair.size() : pairs;
 }
 
 }  // namespace pipeline

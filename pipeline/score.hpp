@@ -20,16 +20,16 @@ double median(const std::vector<T>& sorted) {
   return n % 2 ? double(sorted[n / 2]) : 0.5 * (double(sorted[n / 2 - 1]) + double(sorted[n / 2]));
 }
 
-/// The summary of one algorithm over all pairs and steps. `pairs` is the number of born pairs over all steps: what is
-/// neither reported nor true among them is a true negative. Reported pairs that are contained and only recorded are
-/// neither false positives nor true negatives.
+/// The summary of one algorithm over all pairs and steps. `pairs` is the number of pairs that are judged (below): what
+/// is neither reported nor true among them is a true negative.
 ///
 ///     error = (FP + FN) / (TP + FP + FN)      0 when the denominator is 0
 ///
 /// Times are over the steps' fastest repeats; the 95th percentile is the nearest rank.
 Summary summarise(const Answers& answers, std::uint64_t pairs);
 
-/// Born pairs that count, over all steps.
-std::uint64_t total_pairs(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses);
+/// Born pairs that count, over all steps, less those that are contained and only recorded: these are neither true nor
+/// false, whether reported or not.
+std::uint64_t judged_pairs(const Result& result);
 
 }  // namespace pipeline

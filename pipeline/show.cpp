@@ -175,13 +175,14 @@ Json extremes_json(const Result& result) {
   return json;
 }
 
-std::string provenance_text(const Result& result) {
+std::string provenance_text(const Result& result, bool all_digests) {
   const Provenance& from = result.provenance;
   std::string text = "made by   " + from.creator + ", commit " + from.git_commit + ", " + from.build_type + ", " +
                      from.compiler + "\n";
   text += print("run       %s on %s (%s), %.1f s\n", from.date.c_str(), from.host.c_str(), from.processor.c_str(),
                 from.wall_time_s);
-  for (const auto& [group, digest] : digests(result)) text += "digest    " + digest + "  " + group + "\n";
+  for (const auto& [group, digest] : digests(result))
+    if (all_digests || group == "/") text += "digest    " + digest + "  " + group + "\n";
   return text;
 }
 
@@ -235,7 +236,7 @@ std::vector<SweepSummary> summarise(const std::vector<StudyRow>& rows) {
   return out;
 }
 
-std::string study_text(const Result& result) {
+std::string study_text(const Result& result, bool digests) {
   std::vector<std::vector<std::string>> table = {{"sweep", "integrator", "cases", "finished", "least error",
                                                   "worst energy", "evaluations", "time", "not finished"}};
   std::size_t finished = 0;
@@ -249,7 +250,7 @@ std::string study_text(const Result& result) {
          print("a study of integrators: %zu cases, %zu finished\n\n", result.study->size(), finished) + aligned(table) +
          "\nleast error: relative or rad, over the cases that finished; worst energy: greatest error of its balance "
          "there; time: of processor, all cases\n\n" +
-         provenance_text(result);
+         provenance_text(result, digests);
 }
 
 std::string study_json(const Result& result, const std::string& path) {
@@ -277,10 +278,21 @@ std::string study_json(const Result& result, const std::string& path) {
   return dumped(json);
 }
 
+/// The bodies that lie inside others, and in how many pairs and steps: the most first, then in their order.
+std::vector<std::pair<std::string, std::size_t>> contained_names(const Result& result) {
+  std::map<std::uint32_t, std::size_t> pairs;
+  if (result.truth.contained_inside)
+    for (const std::uint32_t body : *result.truth.contained_inside) ++pairs[body];
+  std::vector<std::pair<std::string, std::size_t>> out;
+  for (const auto& [body, count] : pairs) out.emplace_back(result.bodies.name[body], count);
+  std::ranges::stable_sort(out, std::greater(), [](const auto& one) { return one.second; });
+  return out;
+}
+
 }  // namespace
 
-std::string result_text(const Result& result) {
-  if (result.study) return study_text(result);
+std::string result_text(const Result& result, bool digests) {
+  if (result.study) return study_text(result, digests);
   std::string text = result.title + "\n";
   text += print("%zu steps of %zu bodies at %g per second; %zu pairs meet over all steps\n", result.steps(),
                 result.bodies.size(), result.rate, result.truth.hits.pair.size());
@@ -288,6 +300,13 @@ std::string result_text(const Result& result) {
     text += print("%zu pairs of which one lies inside the other: ", result.truth.contained.pair.size()) +
             (result.truth.containment == Containment::meet ? "they count as meeting\n"
                                                            : "hits on them are counted apart\n");
+  if (const auto inside = contained_names(result); !inside.empty()) {
+    constexpr std::size_t kMost = 5;
+    text += "inside others lie:";
+    for (std::size_t i = 0; i < inside.size() && i < kMost; ++i)
+      text += print("%s %s (%zu)", i ? "," : "", inside[i].first.c_str(), inside[i].second);
+    text += inside.size() > kMost ? print(" and %zu more\n", inside.size() - kMost) : "\n";
+  }
   if (result.truth.gaps)
     text += print("%zu distances of pairs within %g m that do not meet\n", result.truth.gaps->pairs.pair.size(),
                   result.truth.gaps->margin);
@@ -316,7 +335,7 @@ std::string result_text(const Result& result) {
   if (result.passes && !result.answers.empty()) text += passes_text(result);
   if (result.extremes && !result.answers.empty()) text += extremes_text(result);
 
-  text += provenance_text(result);
+  text += provenance_text(result, digests);
   return text;
 }
 
@@ -329,11 +348,16 @@ std::string result_json(const Result& result, const std::string& path) {
                {"steps", result.steps()},
                {"bodies", result.bodies.size()},
                {"rate", result.rate},
-               {"repeats", parse_config(result.config_effective, path).repeats},
+               {"repeats", recorded_config(result.config_effective, path).repeats},
                {"truth_hits", result.truth.hits.pair.size()},
                {"containment", text_of(result.truth.containment)},
                {"contained", result.truth.contained.pair.size()},
+               {"contained_inside", Json(nullptr)},
                {"digest", result.digest}};
+  if (result.truth.contained_inside) {
+    json["contained_inside"] = Json::object();
+    for (const auto& [name, pairs] : contained_names(result)) json["contained_inside"][name] = pairs;
+  }
   if (result.truth.gaps) {
     json["gaps"] = result.truth.gaps->pairs.pair.size();
     json["gap_margin"] = result.truth.gaps->margin;

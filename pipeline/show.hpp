@@ -7,8 +7,9 @@
 
 namespace pipeline {
 
-/// What is in a result: title, size, summary table, provenance, digests.
-std::string result_text(const Result& result);
+/// What is in a result: title, size, summary table, provenance, the digest of all of it; with `digests` those of its
+/// groups too.
+std::string result_text(const Result& result, bool digests = false);
 std::string result_json(const Result& result, const std::string& path);
 
 /// How far an unfinished run is.

@@ -4,23 +4,27 @@
 // errno, while HDF5 1.10 can neither flush nor close a file when the disk is full.
 #include "pipeline/store.hpp"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <functional>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "pipeline/child.hpp"
 #include "pipeline/digest.hpp"
 #include "pipeline/error.hpp"
+#include "pipeline/foreign.hpp"
 #include "pipeline/h5_reader.hpp"
 #include "pipeline/layout.hpp"
+#include "pipeline/seal.hpp"
 #include "pipeline/truth.hpp"
+#include "pipeline/words.hpp"
 
 namespace pipeline {
 namespace {
@@ -164,7 +168,7 @@ class Writer {
   std::map<std::string, OpenScale> scales_;  // by path
 };
 
-/// The file's bytes. The same groups give the same bytes.
+/// The file's bytes, its seal among them. The same groups give the same bytes.
 std::vector<std::byte> image(const std::vector<Group>& groups, const std::map<std::string, std::string>& digests) {
   h5::silence();
   const h5::Properties access(H5Pcreate(H5P_FILE_ACCESS), "make properties");
@@ -181,21 +185,55 @@ std::vector<std::byte> image(const std::vector<Group>& groups, const std::map<st
   for (const Group& group : groups) writer.add(group);
   for (const auto& [group, digest] : digests) writer.add(group, {"digest", digest});
   writer.add("/", {"digest_algorithm", std::string(kDigestAlgorithm)});
+  writer.add("/", {kSealed, "by the checksum in the last line of the file, over all bytes before it"});
 
   h5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "flush");
-  std::vector<std::byte> bytes(h5::check(H5Fget_file_image(file.id(), nullptr, 0), "size the file"));
-  h5::check(H5Fget_file_image(file.id(), bytes.data(), bytes.size()), "copy the file");
+  const auto size = static_cast<std::size_t>(h5::check(H5Fget_file_image(file.id(), nullptr, 0), "size the file"));
+  std::vector<std::byte> bytes(size);
+  bytes.reserve(size + 128);  // the seal, without a second copy
+  h5::check(H5Fget_file_image(file.id(), bytes.data(), size), "copy the file");
+  const std::string seal = seal_of(bytes);
+  std::ranges::copy(std::as_bytes(std::span(seal)), std::back_inserter(bytes));
   return bytes;
 }
 
 // ---- reading ----
 
+// No configuration can ask for more.
+constexpr std::uint64_t kMostSteps = 10'000'000, kMostBodies = 1'000'000;
+
+/// A name that is part of a path within the file.
+void check_name(const std::string& place, const std::string& name) {
+  if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos)
+    throw h5::Failure(place + ": '" + name + "' is no name");
+}
+
+/// An attribute that holds a JSON object; throws when it does not.
+std::string json_object(const Reader& from, const std::string& path, const std::string& name) {
+  std::string text = from.attribute<std::string>(path, name);
+  if (!is_shallow(text) || !nlohmann::json::parse(text, nullptr, false).is_object())
+    throw h5::Failure("attribute " + name + " of " + path + ": is no JSON object");
+  return text;
+}
+
+/// An attribute that is one of a few words.
+std::string one_of(const Reader& from, const std::string& path, const std::string& name,
+                   std::initializer_list<std::string_view> words) {
+  std::string text = from.attribute<std::string>(path, name);
+  if (std::ranges::find(words, text) == words.end())
+    throw h5::Failure("attribute " + name + " of " + path + ": '" + one_line(text) + "' is not known");
+  return text;
+}
+
 double sphere_radius(const std::string& shape) {
-  const auto json = nlohmann::json::parse(shape, nullptr, false);
-  return json.is_object() && json.value("kind", "") == "sphere" ? json.value("radius", 0.0) : 0.0;
+  const auto json = nlohmann::json::parse(shape);
+  const auto is = [&](const char* key, auto kind) { return json.contains(key) && (json[key].*kind)(); };
+  const bool sphere = is("kind", &nlohmann::json::is_string) && json["kind"] == "sphere";
+  return sphere && is("radius", &nlohmann::json::is_number) ? json["radius"].get<double>() : 0.0;
 }
 
 geometry::Mesh read_mesh(const Reader& from, const std::string& name) {
+  check_name("/meshes", name);
   const std::string path = "/meshes/" + name;
   geometry::Mesh mesh;
   mesh.name = name;
@@ -204,7 +242,7 @@ geometry::Mesh read_mesh(const Reader& from, const std::string& name) {
   for (const geometry::Facet& facet : mesh.triangles)
     if (std::ranges::any_of(facet, [&](std::uint32_t corner) { return corner >= mesh.vertices.size(); }))
       throw h5::Failure(path + ": a triangle has no such vertex");
-  mesh.shape = from.attribute<std::string>(path, "shape");
+  mesh.shape = json_object(from, path, "shape");
   mesh.surface_deviation = from.attribute<double>(path, "surface_deviation");
   mesh.sphere_radius = sphere_radius(mesh.shape);
   return mesh;
@@ -212,13 +250,17 @@ geometry::Mesh read_mesh(const Reader& from, const std::string& name) {
 
 geometry::Bodies read_bodies(const Reader& from) {
   geometry::Bodies bodies;
-  for (const std::string& name : from.names_in("/meshes")) bodies.meshes.push_back(read_mesh(from, name));
-  bodies.name = from.texts("/body", {kAny});
-  const std::uint64_t count = bodies.name.size();
+  const std::uint64_t count = from.size("/body", kMostBodies);
+  bodies.name = from.texts("/body", {count});
+  std::map<std::string, std::uint32_t> number;
+  for (const std::string& name : from.names_in("/meshes", count)) {
+    number.emplace(name, static_cast<std::uint32_t>(bodies.meshes.size()));
+    bodies.meshes.push_back(read_mesh(from, name));
+  }
   for (const std::string& name : from.texts("/bodies/mesh", {count})) {
-    const auto found = std::ranges::find(bodies.meshes, name, &geometry::Mesh::name);
-    if (found == bodies.meshes.end()) throw h5::Failure("/bodies/mesh: there is no mesh '" + name + "'");
-    bodies.mesh.push_back(static_cast<std::uint32_t>(found - bodies.meshes.begin()));
+    const auto found = number.find(name);
+    if (found == number.end()) throw h5::Failure("/bodies/mesh: there is no mesh '" + name + "'");
+    bodies.mesh.push_back(found->second);
   }
   bodies.fixed = from.values<std::uint8_t>("/bodies/fixed", {count});
   if (from.has("/bodies/chosen")) bodies.chosen = from.values<std::uint8_t>("/bodies/chosen", {count});
@@ -254,17 +296,20 @@ PhysicsRows read_physics(const Reader& from, std::uint64_t steps) {
 
 std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::uint64_t bodies) {
   std::vector<Answers> all;
+  std::set<std::string> known;
   for (const std::string& label : from.texts("/algorithm", {kAny})) {
+    check_name("/algorithm", label);
+    if (!known.insert(label).second) throw h5::Failure("/algorithm: '" + label + "' is there twice");
     const std::string path = "/answers/" + label;
     const auto text = [&](const char* name) { return from.attribute<std::string>(path, name); };
     Answers answers;
     answers.label = label;
     answers.name = text("name");
-    answers.knobs = text("knobs");
-    answers.promise = text("promise");
+    answers.knobs = json_object(from, path, "knobs");
+    answers.promise = one_of(from, path, "promise", {"none", "conservative", "exact"});
     answers.thesis_key = text("thesis_key");
     answers.operations_unit = text("operations_unit");
-    answers.scope = text("scope");
+    answers.scope = one_of(from, path, "scope", {"pair", "scene"});
     answers.machine = {text("host"), text("processor"), text("build"), text("date")};
     answers.hits = from.pairs(path, steps, bodies);
     all.push_back(std::move(answers));
@@ -310,6 +355,18 @@ Extremes read_extremes(const Reader& from, std::uint64_t steps, std::uint64_t al
   return extremes;
 }
 
+/// What files have since they say which of a contained pair is inside.
+void read_contained_inside(const Reader& from, Result& result) {
+  const std::vector<Pair>& pairs = result.truth.contained.pair;
+  result.truth.contained_inside = from.values<std::uint32_t>("/truth/contained_inside", {pairs.size()});
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (const std::uint32_t body = (*result.truth.contained_inside)[i]; body != pairs[i].a && body != pairs[i].b)
+      throw h5::Failure("/truth/contained_inside: names a body that is not of the pair");
+  result.bodies.closed_within = from.attribute<double>("/truth", "closed_within");
+  for (const geometry::Mesh& mesh : result.bodies.meshes)
+    result.truth.closed_within.push_back(from.attribute<double>("/meshes/" + mesh.name, "closed_within"));
+}
+
 void read_contained_hits(const Reader& from, std::uint64_t steps, Result& result) {
   from.answers("/results", kContainedHit, steps, result.answers);
   const auto totals =
@@ -326,9 +383,9 @@ Provenance read_provenance(const Reader& from) {
   out.build_type = root("build_type");
   out.compiler = root("compiler");
   out.flags = root("flags");
-  out.library_versions = root("library_versions");
+  out.library_versions = json_object(from, "/", "library_versions");
   out.config_sha256 = root("config_sha256");
-  out.inputs_sha256 = root("inputs_sha256");
+  out.inputs_sha256 = json_object(from, "/", "inputs_sha256");
   out.date = run("date");
   out.host = run("host");
   out.processor = run("processor");
@@ -351,7 +408,7 @@ Result read_all(const Reader& from) {
   result.digest = from.attribute<std::string>("/", "digest");
   if (from.has("/study")) return result.study = read_study(from), result;
   result.rate = from.attribute<double>("/time", "rate");
-  const std::uint64_t steps = from.values<std::int64_t>("/step", {kAny}).size();
+  const std::uint64_t steps = from.size("/step", kMostSteps);
   result.bodies = read_bodies(from);
   const std::uint64_t bodies = result.bodies.size();
   result.first_step = from.values<std::int64_t>("/bodies/first_step", {bodies});
@@ -363,6 +420,7 @@ Result read_all(const Reader& from) {
     if (!kept || *kept == Containment::ignore) throw h5::Failure("/truth: its containment is not known");
     result.truth.containment = *kept;
     result.truth.contained = from.pairs("/truth", steps, bodies, "contained_");
+    if (from.has("/truth/contained_inside")) read_contained_inside(from, result);
   }
   if (from.has("/truth/gap_pair")) {
     GapLists& gaps = result.truth.gaps.emplace();
@@ -383,22 +441,16 @@ Result read_all(const Reader& from) {
 }
 
 /// Opens a file of ours for reading, or says why it is not one.
-h5::File open_result(const path& path) {
-  const std::string place = path.string();
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0)
-    throw Error(kFile, place + ": cannot be read (" + std::strerror(errno) + "); name a result of `pipeline run`");
-  close(file);
-  if (std::filesystem::is_directory(path))
-    throw Error(kFile, place + ": is a folder, not a file; name a result of `pipeline run`");
-
+h5::File open_result(const path& path, const std::string& place) {
   h5::silence();
-  if (H5Fis_hdf5(place.c_str()) <= 0)
+  errno = 0;
+  if (H5Fis_hdf5(path.c_str()) <= 0 && !h5::out_of_memory())
     throw Error(kFile, place + ": is not an HDF5 file; name a result of `pipeline run`");
   const h5::Properties access(H5Pcreate(H5P_FILE_ACCESS), "make properties");
   // Results are never changed in place, so nothing need be locked; locking fails on some network disks.
   h5::check(H5Pset_file_locking(access.id(), false, true), "read without locking");
-  const hid_t opened = H5Fopen(place.c_str(), H5F_ACC_RDONLY, access.id());
+  const hid_t opened = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id());
+  if (opened < 0 && h5::out_of_memory()) throw std::bad_alloc();
   if (opened < 0) {
     const bool truncated = h5::reason().find("truncated") != std::string::npos;
     throw Error(kFile, place + (truncated ? ": is truncated, its end is missing" : ": is damaged" + h5::reason()) +
@@ -422,6 +474,149 @@ void check_schema(const Reader& reader, const std::string& place) {
                            ", which never existed; run again with --force");
 }
 
+/// The content has the digests that the file says, of every group and of the whole; and what was not read but follows
+/// from what was (counts of hits, of born bodies, times of steps) is in the file as it would be written.
+void check_content(const Reader& from, const Result& result) {
+  const std::vector<Group> groups = layout(result);
+  for (const auto& [path, digest] : digests(groups))
+    if (from.attribute<std::string>(path, "digest") != digest)
+      throw h5::Failure((path == "/" ? "its content" : path) + " does not have its digest");
+  for (const Group& group : groups)
+    for (const Dataset& dataset : group.datasets) {
+      if (!is_digested(dataset) || from.was_read(dataset.path)) continue;
+      const bool same = dataset.type == Type::text
+                            ? from.texts(dataset.path, dataset.shape) == dataset.text
+                            : std::ranges::equal(from.bytes(dataset.path, dataset.type, dataset.shape), dataset.bytes);
+      if (!same) throw h5::Failure(dataset.path + ": contradicts the rest");
+    }
+}
+
+std::string unsealed_remedy(Seal seal) {
+  return seal == Seal::unknown ? "; use a newer program, or copy it again"
+                               : "; copy it again, run again with --force, or read it with --unsealed, which vouches "
+                                 "for neither times nor attributes";
+}
+
+void check_seal(Seal seal, const std::string& place) {
+  if (seal == Seal::differs)
+    throw Error(kFile, place + ": was changed or damaged since it was written (its seal does not hold)" +
+                           unsealed_remedy(seal));
+  if (seal == Seal::unknown)
+    throw Error(kFile, place + ": has a seal of a form that this program does not know" + unsealed_remedy(seal));
+}
+
+struct Read {
+  Result result;
+  bool older = false;  // from before there were seals
+};
+
+/// Reads and checks everything but a seal that is there. Before memory is taken for values, `wanted` hears of them.
+Read read_checked(const InputFile& file, const std::string& place, Seal seal, bool unsealed,
+                  const std::function<void(std::uint64_t)>& wanted = {}) {
+  const auto damaged = [&](const std::string& what) {
+    return Error(kFile, place + ": is damaged: " + what + "; copy it again, or run again with --force");
+  };
+  try {
+    const h5::File opened = open_result(file.opened_path(), place);
+    h5::check_links(opened.id());
+    const Reader reader(opened.id(), file.size(), wanted);
+    check_schema(reader, place);
+    const bool older = !reader.has_attribute("/", kSealed);
+    if (seal == Seal::none && !older && !unsealed)
+      throw Error(
+          kFile, place + ": was changed or damaged since it was written (its seal is missing)" + unsealed_remedy(seal));
+    Read read{read_all(reader), older};
+    check_content(reader, read.result);
+    return read;
+  } catch (const h5::Failure& failure) {
+    // HDF5's words for it, wherever in it malloc gave nothing: that alone is no damage.
+    if (std::strstr(failure.what(), "memory allocation failed")) throw std::bad_alloc();
+    throw damaged(failure.what());
+  } catch (const std::length_error&) {
+    throw damaged("a dataset has an impossible size");
+  }
+}
+
+/// What an honest file may take to be read. HDF5's own tables and ours grow with the file (7 bytes a byte were seen, of
+/// 5,000 meshes); values are there as read, as poses, and as they are digested.
+constexpr std::uint64_t kFreeMemory = 256 << 20, kMemoryPerByte = 16, kMemoryPerValueByte = 6;
+// A processor ten times slower than today's inflates and digests so many bytes per second.
+constexpr std::uint64_t kSlowBytes = 4 << 20, kSlowValueBytes = 20 << 20;
+constexpr std::uint64_t kFreeSeconds = 2;
+
+/// Ends this process's own greed: memory at once, by failing allocations; time by SIGXCPU.
+class Greed {
+ public:
+  explicit Greed(std::uint64_t file_bytes) {
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    memory_ = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + kFreeMemory + kMemoryPerByte * file_bytes;
+    seconds_ = kFreeSeconds + file_bytes / kSlowBytes;
+    limit();
+  }
+  void allow(std::uint64_t value_bytes) {
+    values_ += value_bytes;
+    limit();
+  }
+  /// Whether the limit on memory is not this one but one that the program was started with.
+  bool is_given() const { return given_; }
+
+ private:
+  void limit() {
+    rlimit now;
+    if (getrlimit(RLIMIT_AS, &now) != 0) return;
+    const rlim_t most = memory_ + kMemoryPerValueByte * values_;
+    given_ = now.rlim_max < most;
+    now.rlim_cur = std::min(now.rlim_max, most);
+    setrlimit(RLIMIT_AS, &now);
+    if (getrlimit(RLIMIT_CPU, &now) != 0) return;
+    now.rlim_cur = std::min<rlim_t>(now.rlim_max, seconds_ + values_ / kSlowValueBytes);
+    setrlimit(RLIMIT_CPU, &now);
+  }
+
+  std::uint64_t memory_ = 0, seconds_ = 0, values_ = 0;
+  bool given_ = false;
+};
+
+Error too_little_memory(const std::string& place) {
+  return Error(kFile,
+               place + ": needs more memory than there is; free some, or raise the limit of this shell (ulimit -v)");
+}
+
+/// Reads the file in a child process: HDF5 1.10.8 crashes, loops or asks for all memory on some damaged files, and such
+/// a file may well have a seal that somebody made. Throws what reading it here would throw.
+void try_reading(const InputFile& file, const path& path, Seal seal, bool unsealed) {
+  const std::string place = path.string();
+  // Deflate makes at most 1032 bytes of one; the child itself sets what its file is worth.
+  ChildLimits limits;
+  limits.processor_seconds = static_cast<double>(kFreeSeconds + file.size() / kSlowBytes) +
+                             static_cast<double>(file.size()) * 1032 / static_cast<double>(kSlowValueBytes);
+  limits.wall_seconds = 60 + 10 * limits.processor_seconds;  // of a slow disk, beside other work
+  const auto work = [&](std::size_t) -> std::string {
+    Greed greed(file.size());
+    try {
+      {
+        const InputFile again(path, "try again");  // the parent's own descriptor is closed in its children
+        if (!again.same_as(file)) throw Error(kFile, place + ": was replaced while it was read; try again");
+        read_checked(again, place, seal, unsealed, [&](std::uint64_t bytes) { greed.allow(bytes); });
+      }
+      H5close();  // what the library does at its end belongs to the trial
+      return "";
+    } catch (const Error& error) {
+      return std::to_string(error.code()) + " " + error.what();
+    } catch (const std::bad_alloc&) {
+      if (greed.is_given()) return std::to_string(kFile) + " " + too_little_memory(place).what();
+      throw std::runtime_error("it wanted more memory than its size explains");
+    }
+  };
+  in_children(1, 1, limits, work, [&](std::size_t, const std::string& said, const std::string& failure) {
+    if (!failure.empty())
+      throw Error(kFile, place + ": is damaged (a trial of reading it: " + failure +
+                             "); copy it again, or run again with --force");
+    if (!said.empty()) throw Error(static_cast<ExitCode>(std::atoi(said.c_str())), said.substr(said.find(' ') + 1));
+  });
+}
+
 }  // namespace
 
 std::map<std::string, std::string> digests(const Result& result) { return digests(layout(result)); }
@@ -438,41 +633,27 @@ void write_result(Result& result, Target& target) {
 }
 
 void write_result(Result& result, const path& path) {
-  Target target(path, true);
+  Target target(path, Existing::replace);
   write_result(result, target);
 }
 
-Result read_result(const path& path) {
+Result read_result(const path& path, bool unsealed) {
   const std::string place = path.string();
-  const auto damaged = [&](const std::string& what) {
-    return Error(kFile, place + ": is damaged: " + what + "; copy it again, or run again with --force");
-  };
+  const InputFile file(path, "name a result of `pipeline run`");
+  const Seal seal = seal_of(file, path);
+  if (!unsealed) check_seal(seal, place);
+  try_reading(file, path, seal, unsealed);
   try {
-    const h5::File file = open_result(path);
-    const Reader reader(file.id());
-    check_schema(reader, place);
-    Result result = read_all(reader);
-    if (digests(result).at("/") != result.digest) throw h5::Failure("its content does not have its digest");
-    return result;
-  } catch (const h5::Failure& failure) {
-    throw damaged(failure.what());
-  } catch (const std::length_error&) {
-    throw damaged("a dataset has an impossible size");
+    Read read = read_checked(file, place, seal, unsealed);
+    if (seal != Seal::holds)
+      std::fprintf(
+          stderr, "warning: %s: %s; its digests hold, its times and attributes are vouched for by nobody\n",
+          one_line(place, 4096).c_str(),
+          read.older ? "is not sealed, as results of older programs" : "is read although its seal does not hold");
+    return std::move(read.result);
   } catch (const std::bad_alloc&) {
-    throw Error(kFile, place + ": needs more memory than there is, or is damaged; free memory or copy it again");
+    throw too_little_memory(place);
   }
-}
-
-std::uint64_t estimated_bytes(std::uint64_t steps, std::uint64_t bodies, std::uint64_t algorithms,
-                              std::uint64_t mesh_bytes) {
-  constexpr std::uint64_t kHitsPerBody = 4;  // of one algorithm at one step; a heap at rest has about 3
-  constexpr std::uint64_t kPose = 7 * 8, kPair = 8, kColumn = 8;
-  constexpr std::uint64_t kNames = 1 << 16;                            // attributes, names, HDF5's own
-  const std::uint64_t list = kHitsPerBody * bodies * kPair + kColumn;  // the pairs of one step, and their offset
-  const std::uint64_t results = (std::size(kResultTimes) + std::size(kResultCounts) + 1) * kColumn;
-  const std::uint64_t physics =
-      (std::size(kPhysicsReals) + std::size(kPhysicsCounts) + std::size(kPhysicsTimes)) * kColumn;
-  return kNames + mesh_bytes + steps * (bodies * kPose + physics + (algorithms + 1) * list + algorithms * results);
 }
 
 }  // namespace pipeline

@@ -13,22 +13,22 @@ namespace pipeline {
 /// Grows when a name, unit or meaning in the file changes. A newer one is refused.
 constexpr int kSchemaVersion = 1;
 
+/// The attribute of the root that says that there is a seal (seal.hpp).
+constexpr char kSealed[] = "sealed";
+
 /// Writes the whole result at its place. Fills in `result.digest`. Throws Error(kFile).
 void write_result(Result& result, Target& target);
 
 /// Writes a result at once; an existing file is replaced.
 void write_result(Result& result, const std::filesystem::path& path);
 
-/// Reads a whole result. Throws Error(kFile) when the file is missing, not HDF5, not ours, truncated, damaged (its
-/// content does not have its digest) or newer.
-Result read_result(const std::filesystem::path& path);
+/// Reads a whole result, which may be anybody's: its seal and its digests hold before anything is returned, and a child
+/// process reads it first. Throws Error(kFile) when the file is missing, not regular, not HDF5, not ours, truncated,
+/// damaged or newer. With `unsealed` a seal that is missing or does not hold is said on stderr, digests are compared
+/// all the same; so are files from before there were seals. To be called while this process has one thread.
+Result read_result(const std::filesystem::path& path, bool unsealed = false);
 
 /// The digests of a result: "/motion", "/truth", "/answers/<label>" and "/" (README, "The digest").
 std::map<std::string, std::string> digests(const Result& result);
-
-/// Estimated bytes of the file before deflate, at 4 hits per body, step and algorithm. `mesh_bytes` are those of the
-/// distinct meshes: 24 a vertex and 12 a triangle.
-std::uint64_t estimated_bytes(std::uint64_t steps, std::uint64_t bodies, std::uint64_t algorithms,
-                              std::uint64_t mesh_bytes);
 
 }  // namespace pipeline

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <concepts>
 #include <iterator>
+#include <numeric>
 #include <stdexcept>
 #include <type_traits>
 
@@ -223,6 +224,11 @@ std::vector<StudyRow> study_rows(const Study& study, const std::vector<StudyRow>
       missing.push_back(i);
   }
   progress.add(cases.size() - missing.size(), false);
+  // Scattered, so that those that are done are like those that are not: the time left is then known from a few.
+  std::size_t stride = std::max<std::size_t>(1, std::size_t(0.618 * double(missing.size())));
+  while (std::gcd(stride, missing.size()) > 1) ++stride;
+  const std::vector<std::size_t> sorted = missing;
+  for (std::size_t i = 0; i < missing.size(); ++i) missing[i] = sorted[i * stride % missing.size()];
 
   // The child stops itself, after the integration, a search for the preventing step and its last integration, and the
   // reference at the latest; from outside it is stopped only where it hangs.

@@ -1,13 +1,9 @@
 #include "pipeline/target.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
-#include <cstring>
 
 #include "pipeline/error.hpp"
 
@@ -15,69 +11,86 @@ namespace pipeline {
 
 using std::filesystem::path;
 
-Target::Target(const path& target, bool replace) : path_(target), replace_(replace) {
-  std::error_code ignored;
-  if (target.has_parent_path()) made_folder_ = std::filesystem::create_directories(target.parent_path(), ignored);
-  if (!target.has_filename()) throw Error(kFile, target.string() + ": is a folder; choose another -o");
-  struct stat status;
-  if (lstat(target.c_str(), &status) == 0) {
-    if (!replace) throw Error(kFile, target.string() + ": exists; --force replaces it, or choose another -o");
-    if (!S_ISREG(status.st_mode)) throw Error(kFile, target.string() + ": is not a regular file; choose another -o");
-  }
-  // One name for all: what a kill left behind is taken over by the next writer.
-  temporary_ = target.parent_path() / std::string(".").append(target.filename().string()).append(".new");
-  for (;;) {
-    file_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (file_ < 0) fail();
-    if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
-      close(file_);
-      done_ = true;  // it is another writer's
-      throw Error(kFile, target.string() + ": is being written by another run; wait for it or choose another -o");
-    }
-    // Between open and lock another writer may have renamed the file into place: then this is its result.
-    struct stat mine, there;
-    if (fstat(file_, &mine) == 0 && stat(temporary_.c_str(), &there) == 0 && mine.st_ino == there.st_ino) break;
-    close(file_);
-  }
-  if (ftruncate(file_, 0) != 0) fail();
+namespace {
+
+Error refusal(const path& place, const FileFailure& failure) {
+  return {kFile, place.string() + ": " + failure.what() + "; free or allow the place, or choose another"};
 }
 
-Target::~Target() {
-  if (!done_) unlink(temporary_.c_str());
-  if (file_ >= 0) close(file_);
-  if (!done_ && made_folder_) rmdir(path_.parent_path().c_str());  // unless something is in it
+std::optional<struct stat> standing(int folder, const std::string& name) {
+  struct stat status;
+  if (fstatat(folder, name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return std::nullopt;
+  return status;
+}
+
+/// The same file with the same content; its mode may be another by now.
+bool unchanged(const struct stat& before, const struct stat& now) {
+  return before.st_dev == now.st_dev && before.st_ino == now.st_ino && before.st_size == now.st_size &&
+         before.st_mtim.tv_sec == now.st_mtim.tv_sec && before.st_mtim.tv_nsec == now.st_mtim.tv_nsec;
+}
+
+}  // namespace
+
+Target::Target(const path& target, Existing existing)
+    : path_(target), name_(target.filename().string()), existing_(existing) {
+  const std::string place = target.string();
+  if (!target.has_filename()) throw Error(kFile, place + ": is a folder; choose another place");
+  try {
+    made_.emplace(target.parent_path());
+    folder_ = open_folder(target.parent_path());
+    const int folder = folder_.number();
+    const std::string lock = "." + name_ + ".lock";
+    if (!standing(folder, lock)) look();  // else a killed writer's things may be cleared away before it is refused
+    lock_.emplace(folder, lock);
+    if (!lock_->held())
+      throw Error(kFile, place + ": is being written by another run; wait for it or choose another place");
+    // Nobody else is writing now: what has the name of a file in the making was left behind by a kill.
+    for (const std::string& entry : names_in(folder))
+      if (new_file_of(entry) == name_) remove_regular(folder, entry);
+    look();  // again: another may have finished just before
+    file_.emplace(folder, name_, before_ ? before_->st_mode & 0777 : 0666);
+    if (before_) file_->take_after(*before_);
+  } catch (const FileFailure& failure) {
+    throw refusal(target, failure);
+  }
+}
+
+Target::Lock::Lock(int folder, const std::string& name)
+    : folder_(folder), name_(name), file_(take_lock(folder, name)) {}
+
+Target::Lock::~Lock() {
+  if (file_ && is_at(folder_, name_, file_.number())) unlinkat(folder_, name_.c_str(), 0);
+}
+
+/// Finds what stands there, and refuses what may not be replaced.
+void Target::look() {
+  before_ = standing(folder_.number(), name_);
+  if (before_ && existing_ == Existing::refuse)
+    throw Error(kFile, path_.string() + ": exists; --force replaces it, or choose another -o");
+  if (before_ && !S_ISREG(before_->st_mode))
+    throw Error(kFile, path_.string() + ": is not a regular file; choose another place");
+}
+
+void Target::refuse_changed() const {
+  const auto now = standing(folder_.number(), name_);
+  if (before_ ? now && unchanged(*before_, *now) : !now) return;
+  throw Error(kFile, path_.string() +
+                         ": was replaced or changed by another program meanwhile, and is kept as it is; "
+                         "run the same command again");
 }
 
 void Target::write(std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file_, bytes.data(), bytes.size());
-    if (written < 0 && errno != EINTR) fail();
-    if (written > 0) bytes = bytes.subspan(std::size_t(written));
+  try {
+    file_->write({{reinterpret_cast<const char*>(bytes.data()), bytes.size()}});
+    if (existing_ == Existing::update) refuse_changed();
+    file_->place(existing_ == Existing::replace || before_);
+  } catch (const FileFailure& failure) {
+    if (failure.error() == EEXIST && existing_ == Existing::update) refuse_changed();
+    if (failure.error() == EEXIST)
+      throw Error(kFile, path_.string() + ": exists by now; the same command with --force replaces it");
+    throw refusal(path_, failure);
   }
-  rename_into_place();
-}
-
-void Target::rename_into_place() {
-  if (fsync(file_) != 0) fail();
-  const unsigned keep = replace_ ? 0 : RENAME_NOREPLACE;
-  int renamed = renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), keep);
-  if (renamed != 0 && errno == EINVAL && keep)  // a file system without this flag: link refuses as well
-    renamed = link(temporary_.c_str(), path_.c_str()) == 0 ? unlink(temporary_.c_str()) : -1;
-  if (renamed != 0 && errno == EEXIST)
-    throw Error(kFile, path_.string() + ": exists by now; the same command with --force replaces it");
-  if (renamed != 0) fail();
-  done_ = true;
-  const path folder = path_.has_parent_path() ? path_.parent_path() : path(".");
-  const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (opened < 0) return;  // a folder that cannot be read can still be written to
-  fsync(opened);           // EINVAL where folders cannot be synced: nothing more can be done
-  close(opened);
-}
-
-void Target::fail() const {
-  const int error = errno;
-  throw Error(kFile, path_.string() + ": cannot be written (" + std::strerror(error) +
-                         "); free or allow the place, or choose another");
+  made_->keep();
 }
 
 }  // namespace pipeline

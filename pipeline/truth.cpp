@@ -17,6 +17,7 @@ constexpr std::string_view kContainment[] = {"ignore", "record", "meet"};  // in
 
 struct TruthChunk {
   PairLists hits, contained;
+  std::vector<std::uint32_t> inside;  // of `contained`
   std::vector<std::int64_t> time_ns;
   std::optional<GapLists> gaps;
 
@@ -26,6 +27,7 @@ struct TruthChunk {
     out.put(hits.pair);
     out.put(contained.offset);
     out.put(contained.pair);
+    out.put(inside);
     out.put(time_ns);
     if (gaps) {
       out.put(gaps->pairs.offset);
@@ -42,6 +44,7 @@ struct TruthChunk {
     chunk.hits.pair = in.get<Pair>();
     chunk.contained.offset = in.get<std::uint64_t>();
     chunk.contained.pair = in.get<Pair>();
+    chunk.inside = in.get<std::uint32_t>();
     chunk.time_ns = in.get<std::int64_t>();
     if (has_gaps) {
       chunk.gaps.emplace();
@@ -71,7 +74,8 @@ TruthChunk decide_chunk(geometry::Decision& decision, geometry::GapSearch* searc
   using Clock = std::chrono::steady_clock;
   TruthChunk chunk;
   if (search) chunk.gaps.emplace();
-  std::vector<Pair> hits, contained;
+  std::vector<Pair> hits, pairs;
+  std::vector<geometry::Contained> contained;
   decision.forget();  // the chunk decided before need not be the one before in time
   for (const auto& step : poses) {
     stop_if_wanted();
@@ -83,7 +87,12 @@ TruthChunk decide_chunk(geometry::Decision& decision, geometry::GapSearch* searc
     decision.hits(runs, hits, wants_contained ? &contained : nullptr);
     decision.remember();
     chunk.hits.append(hits);
-    if (wants_contained) chunk.contained.append(contained);
+    pairs.clear();
+    for (const geometry::Contained& one : contained) {
+      pairs.push_back(one.pair);
+      chunk.inside.push_back(one.inside);
+    }
+    if (wants_contained) chunk.contained.append(pairs);
     chunk.time_ns.push_back(std::chrono::nanoseconds(Clock::now() - start).count());
     if (search) append(search->near(step, runs, gap_margin, hits), *chunk.gaps);
     progress.add(1);
@@ -118,9 +127,9 @@ std::optional<Containment> containment_of(std::string_view text) {
   return std::nullopt;
 }
 
-std::string open_mesh_text(const std::string& name) {
-  return "mesh '" + name +
-         "' is open: an edge belongs to an odd number of its facets, so nothing can be inside it; close it, or set "
+std::string all_open_text(const std::string& mesh, const geometry::Solid& solid) {
+  return "mesh '" + mesh + "' is open, " + geometry::open_text(solid) +
+         "; no mesh is closed, so nothing can be inside another; close one, raise truth.closed_within, or set "
          "truth.containment to \"ignore\"";
 }
 
@@ -141,14 +150,18 @@ Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geome
     }
   }
 
+  std::vector<geometry::Solid> solids;
+  if (truth.lists_contained()) {
+    truth.contained_inside.emplace();
+    for (const geometry::Mesh& mesh : bodies.meshes) {
+      solids.push_back(geometry::solid_of(mesh, bodies.closed_within));
+      truth.closed_within.push_back(solids.back().closed_within);
+    }
+    if (std::ranges::none_of(solids, &geometry::Solid::closed))
+      throw Error(kInput, all_open_text(bodies.meshes[0].name, solids[0]));
+  }
   if (!open.empty()) {
     const std::vector<geometry::Bvh> bvhs = geometry::build_bvhs(bodies);
-    std::vector<geometry::Solid> solids;
-    if (truth.lists_contained())
-      for (const geometry::Mesh& mesh : bodies.meshes) {
-        solids.push_back(geometry::solid_of(mesh));
-        if (!solids.back().closed) throw Error(kInput, open_mesh_text(mesh.name));
-      }
     const std::size_t workers = std::min<std::size_t>(std::size_t(std::max(threads, 1)), open.size());
     std::atomic<std::size_t> next = 0;
     const auto work = [&] {
@@ -170,6 +183,8 @@ Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geome
   for (const TruthChunk& chunk : done) {
     truth.hits.append_steps(chunk.hits);
     truth.contained.append_steps(chunk.contained);
+    if (truth.contained_inside)
+      truth.contained_inside->insert(truth.contained_inside->end(), chunk.inside.begin(), chunk.inside.end());
     truth.time_ns.insert(truth.time_ns.end(), chunk.time_ns.begin(), chunk.time_ns.end());
     if (!truth.gaps) continue;
     GapLists& gaps = *truth.gaps;

@@ -91,6 +91,28 @@ std::span<const Pair> contained_at(const Truth& truth, std::size_t step) {
   return truth.lists_contained() ? truth.contained.at(step) : std::span<const Pair>();
 }
 
+/// How a pair that is listed as contained is listed.
+Relation listed_containment(const Truth& truth, std::size_t step, Pair pair) {
+  if (!truth.contained_inside) return Relation::contained;
+  const std::span<const Pair> here = truth.contained.at(step);
+  const std::size_t at = std::size_t(std::ranges::lower_bound(here, pair) - here.begin());
+  const std::uint32_t inside = (*truth.contained_inside)[truth.contained.offset[step] + at];
+  return inside == pair.a ? Relation::a_inside : Relation::b_inside;
+}
+
+/// The closed surfaces of the meshes, by their numbers; null: open.
+using Surfaces = std::vector<std::optional<geometry::Mesh>>;
+
+/// Whether `inner` lies inside body b; their surfaces as read do not meet.
+bool lies_inside(const std::vector<Triangle>& inner, const Bodies& bodies, const Surfaces& surfaces, std::uint32_t b,
+                 const Pose& pose) {
+  const auto& surface = surfaces[bodies.mesh[b]];
+  if (!surface) return false;
+  const std::vector<Triangle> outer = oracle::world_triangles(*surface, pose);
+  const bool as_read = surface->triangles == bodies.mesh_of(b).triangles;
+  return (as_read || !oracle::meet(inner, outer)) && oracle::contained(inner, outer);
+}
+
 std::vector<Pair> near_pairs(const Step& step, const Truth& truth, std::size_t s) {
   std::vector<Pair> out;
   for (const Pair& pair : step.touching)
@@ -125,6 +147,8 @@ Facts facts_of(const Result& result, std::size_t s) {
   };
   judge(hits, Relation::meet);
   judge(contained, Relation::contained);
+  if (facts.difference && facts.difference->truth == Relation::contained)
+    facts.difference->truth = listed_containment(result.truth, s, facts.difference->pair);
   return facts;
 }
 
@@ -165,8 +189,8 @@ struct Asked {
   std::optional<Difference> difference;
 };
 
-Asked ask(const Result& result, std::size_t s, const Facts& facts, const std::array<Sample, kClasses>& samples,
-          const Counts& before) {
+Asked ask(const Result& result, const Surfaces& surfaces, std::size_t s, const Facts& facts,
+          const std::array<Sample, kClasses>& samples, const Counts& before) {
   const std::span<const Pose> poses = result.motion[s];
   std::vector<Question> questions;
   const auto draw = [&](Sampled c, std::span<const Pair> from, Relation listed) {
@@ -200,11 +224,15 @@ Asked ask(const Result& result, std::size_t s, const Facts& facts, const std::ar
     Relation found = Relation::apart;
     if (oracle::meet(a, b))
       found = Relation::meet;
-    else if (result.truth.lists_contained() && (oracle::contained(a, b) || oracle::contained(b, a)))
-      found = Relation::contained;
+    else if (result.truth.lists_contained() && lies_inside(a, result.bodies, surfaces, pair.b, poses[pair.b]))
+      found = Relation::a_inside;
+    else if (result.truth.lists_contained() && lies_inside(b, result.bodies, surfaces, pair.a, poses[pair.a]))
+      found = Relation::b_inside;
     ++out.checked[listed == Relation::meet ? kMeet : listed == Relation::contained ? kContained : kNear];
-    if (found != listed) {
-      out.difference = {s, pair, listed, found};
+    const Relation truth = listed == Relation::contained ? listed_containment(result.truth, s, pair) : listed;
+    const bool either = truth == Relation::contained && (found == Relation::a_inside || found == Relation::b_inside);
+    if (found != truth && !either) {
+      out.difference = {s, pair, truth, found};
       return out;
     }
   }
@@ -236,7 +264,12 @@ std::string aligned(const std::string& name, std::uint64_t pairs, const std::str
 }  // namespace
 
 std::string text_of(Relation relation) {
-  constexpr const char* kTexts[] = {"apart", "meet", "contained", "no pair that counts"};
+  constexpr const char* kTexts[] = {"apart",
+                                    "meet",
+                                    "contained",
+                                    "contained, the first in the second",
+                                    "contained, the second in the first",
+                                    "no pair that counts"};
   return kTexts[std::size_t(relation)];
 }
 
@@ -271,12 +304,16 @@ Verified verify(const Result& result, StepRange steps, std::optional<std::uint64
     const Counts wanted = shares(there, *pairs);
     for (std::size_t c = 0; c < kClasses; ++c) samples[c] = sample(there[c], wanted[c], c);
   }
+  Surfaces surfaces;
+  if (result.truth.lists_contained())
+    for (const geometry::Mesh& mesh : result.bodies.meshes)
+      surfaces.push_back(oracle::closed_surface(mesh, result.bodies.closed_within));
   std::vector<Asked> asked(steps.size());
   {
     Progress progress("oracle", steps.size(), quiet);
     for_each_step(steps, threads, progress, [&](std::uint64_t s) {
       const std::uint64_t i = s - steps.first;
-      asked[i] = ask(result, s, facts[i], samples, before[i]);
+      asked[i] = ask(result, surfaces, s, facts[i], samples, before[i]);
       return !asked[i].difference;
     });
   }

@@ -15,8 +15,9 @@
 
 namespace pipeline {
 
-/// What two bodies are to each other; no_pair: one is not born, both are fixed, or neither is among the chosen.
-enum class Relation { apart, meet, contained, no_pair };
+/// What two bodies are to each other. a_inside: a lies inside b; contained: one inside the other, as files older than
+/// /truth/contained_inside say it; no_pair: one is not born, both are fixed, or neither is among the chosen.
+enum class Relation { apart, meet, contained, a_inside, b_inside, no_pair };
 std::string text_of(Relation relation);
 
 struct Difference {

@@ -25,6 +25,18 @@ std::size_t character_length(std::string_view text) {
   return overlong || no_character ? 0 : length;
 }
 
+/// The first character of `text`, which is taken off it; '?' for a control character or a byte that is no UTF-8.
+std::string_view taken_character(std::string_view& text) {
+  const std::size_t length = character_length(text);
+  const auto lead = static_cast<unsigned char>(text[0]);
+  // U+0080 to U+009F are control characters too, and some terminals obey them.
+  const bool control =
+      lead < 0x20 || lead == 0x7F || (lead == 0xC2 && length == 2 && static_cast<unsigned char>(text[1]) < 0xA0);
+  const std::string_view character = length == 0 || control ? "?" : text.substr(0, length);
+  text.remove_prefix(std::max<std::size_t>(length, 1));
+  return character;
+}
+
 /// Edits that turn a into b: insert, delete, replace, swap neighbours (restricted Damerau-Levenshtein).
 std::size_t edits(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
@@ -91,13 +103,17 @@ std::string one_line(std::string_view text, std::size_t most) {
   std::string out;
   for (std::size_t written = 0; !text.empty(); ++written) {
     if (written == most) return out + "...";
-    const std::size_t length = character_length(text);
-    const auto lead = static_cast<unsigned char>(text[0]);
-    // U+0080 to U+009F are control characters too, and some terminals obey them.
-    const bool control =
-        lead < 0x20 || lead == 0x7F || (lead == 0xC2 && length == 2 && static_cast<unsigned char>(text[1]) < 0xA0);
-    out += length == 0 || control ? "?" : text.substr(0, length);
-    text.remove_prefix(std::max<std::size_t>(length, 1));
+    out += taken_character(text);
+  }
+  return out;
+}
+
+std::string visible(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const bool line_end = text[0] == '\n';
+    const std::string_view character = taken_character(text);
+    out += line_end ? "\n" : character;
   }
   return out;
 }

@@ -44,6 +44,10 @@ std::string in_quotes(std::string_view text);
 /// characters the rest becomes "...".
 std::string one_line(std::string_view text, std::size_t most = 60);
 
+/// `text` fit for a terminal: as one_line, but of any length, and line ends stay. Titles, hosts and reasons of files of
+/// others may hold sequences that move the cursor, set the window's title or worse.
+std::string visible(std::string_view text);
+
 /// A byte at which `text` cannot be TOML, or could harm its parser.
 struct Flaw {
   std::size_t line = 1, column = 1;  // from 1, columns in characters; a byte order mark takes none

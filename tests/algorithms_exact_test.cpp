@@ -77,8 +77,12 @@ TEST_P(Exact, NothingIsInsideAnOpenMesh) {
     make(GetParam(), setting.bodies, {{"containment", true}});
     FAIL() << "accepted";
   } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("'bucket' is open"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("'bucket' is open, the edge from ("), std::string::npos) << error.what();
   }
+  // Beside a closed one there is something to ask.
+  const Mesh pea = geometry::sphere("pea", 0.1, 4), room = geometry::box("room", {8, 8, 8});
+  EXPECT_FALSE(hit(GetParam(), open, {}, pea, {}, {{"containment", true}}));
+  EXPECT_TRUE(hit(GetParam(), open, {}, room, {}, {{"containment", true}}));
 }
 
 TEST_P(Exact, AnswersTheSameWhateverWasRemembered) {

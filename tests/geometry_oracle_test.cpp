@@ -197,7 +197,7 @@ TEST(OracleContained, AgreesWithTheDecision) {
   bodies.meshes = {geometry::torus("torus", 2, 1, 8), geometry::sphere("ball", 1, 3),
                    geometry::box("grain", Vec3(0.2, 0.2, 0.2)), geometry::sphere("bead", 0.15, 2)};
   std::vector<geometry::Solid> solids;
-  for (const Mesh& mesh : bodies.meshes) solids.push_back(geometry::solid_of(mesh));
+  for (const Mesh& mesh : bodies.meshes) solids.push_back(geometry::solid_of(mesh, geometry::kClosedWithin));
   const std::vector<geometry::Bvh> bvhs = geometry::build_bvhs(bodies);
   int contained_pairs = 0, apart = 0;
   for (int i = 0; i < 150; ++i) {
@@ -206,7 +206,7 @@ TEST(OracleContained, AgreesWithTheDecision) {
     bodies.name = {"a", "b"};
     const Quaternion q = random.turn(), p = random.turn();
     const std::vector<Pose> poses{{q, Vec3(0, 0, 0)}, {p, 1.1 * random.point()}};
-    std::vector<geometry::Pair> listed;
+    std::vector<geometry::Contained> listed;
     const bool meet =
         !geometry::Decision(bodies, bvhs, solids).hits(poses, geometry::pair_runs(bodies, poses), &listed).empty();
     const auto a = oracle::world_triangles(bodies.mesh_of(0), poses[0]);

@@ -1,5 +1,6 @@
 // Baselines of made-up results: what is told apart, and that nothing but a baseline is ever replaced.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <iterator>
@@ -37,6 +38,29 @@ TEST(Baseline, IsTheSameAsItself) {
   const Score again = score(result, folder / "b.json", {});
   EXPECT_TRUE(again.same());
   EXPECT_EQ(again.algorithms, 3u);
+}
+
+// 100,000 arrays in one another ended the program by signal 11. The bound holds within texts of brackets, too.
+TEST(Baseline, RefusesWhatIsNestedWithoutEnd) {
+  const TemporaryFolder folder;
+  const Result result = synthetic_result();
+  std::ofstream(folder / "deep.json") << "{\"kind\":" + std::string(100'000, '[');
+  EXPECT_EQ(code_of(result, folder / "deep.json", {}), kFile);
+  EXPECT_EQ(code_of(result, folder / "deep.json", kWrite), kFile);
+  std::ofstream(folder / "closed.json") << std::string(100'000, '[') + std::string(100'000, ']');
+  EXPECT_EQ(code_of(result, folder / "closed.json", {}), kFile);
+}
+
+TEST(Baseline, IsARegularFileOfAFewMebibytes) {
+  const TemporaryFolder folder;
+  const Result result = synthetic_result();
+  ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0600), 0);
+  std::ofstream(folder / "huge.json") << "{}";
+  std::filesystem::resize_file(folder / "huge.json", std::uint64_t{1} << 40);  // a hole
+  for (const std::filesystem::path& path :
+       {folder / "fifo", folder / "huge.json", std::filesystem::path("/dev/zero"), folder / ""})
+    for (const ScoreOptions& options : {ScoreOptions{}, kWrite})
+      EXPECT_EQ(code_of(result, path, options), kFile) << path;
 }
 
 TEST(Baseline, ForgetsTimesAndMachines) {

@@ -90,6 +90,8 @@ TEST(ConfigErrors, RefusesWithPlaceRuleValueAndRemedy) {
       {kScene + "plate = [1, \"2\", 3]\n", "a/f.toml:3:13: 'scene.plate.1' must be a number"},
       {kScene + "shift = nan\n",
        "a/f.toml:3:9: 'scene.shift' must be a number of at least -1e6 and at most 1e6, not nan"},
+      {kScene + "jitter = -0.1\n",
+       "a/f.toml:3:10: 'scene.jitter' must be a number of at least 0 and at most 1e6, not -0.1"},
       {kScene + "[scene.set]\nheight = 3\n",
        "a/f.toml:3:1: 'scene.set' must be an array of tables, not a table; write [[scene.set]]"},
       {kScene + "set = [1]\n", "a/f.toml:3:8: 'scene.set.0' must be a table, not 1; write [[scene.set]] above each"},
@@ -135,7 +137,10 @@ TEST(ConfigErrors, RefusesWithPlaceRuleValueAndRemedy) {
       // Truth, timing
       {kScene + "[truth]\ncontainment = \"maet\"\n",
        "must be \"ignore\", \"record\" or \"meet\", not \"maet\"; did you mean 'meet'?"},
-      {kScene + "[truth]\nx = 1\n", "a/f.toml:4:1: unknown key 'truth.x'; known: containment, gap, gap_margin"},
+      {kScene + "[truth]\nx = 1\n",
+       "a/f.toml:4:1: unknown key 'truth.x'; known: containment, closed_within, gap, gap_margin"},
+      {kScene + "[truth]\nclosed_within = 0.002\n",
+       "a/f.toml:4:17: 'truth.closed_within' must be a number of at least 0 and at most 0.001, not 0.002"},
       {kScene + "[truth]\ngap = 1\n", "a/f.toml:4:7: 'truth.gap' must be true or false, not 1"},
       {kScene + "[truth]\ngap = true\ngap_margin = -1\n",
        "a/f.toml:5:14: 'truth.gap_margin' must be a number of at least 0 and at most 1e6, not -1"},
@@ -268,18 +273,22 @@ TEST(ConfigErrors, RefusesFilesThatAreNoText) {
   fs::create_directories(folder);
   const auto error = [](const fs::path& path) { return error_of([&] { read_config(path); }); };
   EXPECT_EQ(error(folder / "none.toml"),
-            "3 " + (folder / "none.toml").string() + ": the configuration cannot be opened: No such file or directory");
-  EXPECT_EQ(error(folder), "3 " + folder.string() + ": the configuration cannot be read: Is a directory");
+            "3 " + (folder / "none.toml").string() +
+                ": the configuration cannot be read (No such file or directory); name a TOML file");
+  EXPECT_EQ(error(folder),
+            "3 " + folder.string() + ": the configuration is a folder, not a regular file; name a TOML file");
 
   const fs::path big = folder / "big.toml";
   std::ofstream(big) << kScene;
   EXPECT_EQ(read_config(big).steps, 600);
   fs::resize_file(big, (16 << 20) + 1);
-  EXPECT_EQ(error(big), "3 " + big.string() + ": a configuration must be at most 16 MiB long, not more");
+  EXPECT_EQ(error(big),
+            "3 " + big.string() +
+                ": the configuration has 16777217 bytes; such a file has at most 16777216; name a TOML file");
 
   if (::geteuid() != 0) {  // root may read everything
     fs::permissions(big, fs::perms::none);
-    EXPECT_NE(error(big).find("cannot be opened: Permission denied"), std::string::npos);
+    EXPECT_NE(error(big).find("cannot be read (Permission denied)"), std::string::npos);
   }
   fs::remove_all(folder);
 }

@@ -41,6 +41,7 @@ void expect_same_scene(const FallingScene& a, const FallingScene& b) {
   EXPECT_EQ(a.density, b.density);
   EXPECT_EQ(a.plate, b.plate);
   EXPECT_EQ(a.shift, b.shift);
+  EXPECT_EQ(a.jitter, b.jitter);
   ASSERT_EQ(a.sets.size(), b.sets.size());
   for (std::size_t i = 0; i < a.sets.size(); ++i) {
     const FallingSet &s = a.sets[i], &t = b.sets[i];
@@ -136,6 +137,7 @@ void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(p.energy_bound, q.energy_bound);
   EXPECT_EQ(a.contact_radius, b.contact_radius);
   EXPECT_EQ(a.containment, b.containment);
+  EXPECT_EQ(a.closed_within, b.closed_within);
   EXPECT_EQ(a.gap_margin, b.gap_margin);
   EXPECT_EQ(a.repeats, b.repeats);
   ASSERT_EQ(a.algorithms.size(), b.algorithms.size());
@@ -209,6 +211,7 @@ radius = 0.5
 density = 7800.5
 plate = [1, 2.5, 3]
 shift = -0.25
+jitter = 0.125
 [[scene.set]]
 lying = [2, 0]
 above = [1, 2, 3]
@@ -235,6 +238,7 @@ time_budget = 0
 energy_bound = 1.5
 [truth]
 containment = "ignore"
+closed_within = 1e-9
 [timing]
 repeats = 1000
 [[algorithm]]
@@ -257,6 +261,7 @@ name = "obb_sat"
   EXPECT_EQ(falling_of(c).density, 7800.5);
   EXPECT_EQ(falling_of(c).plate, (std::array<double, 3>{1, 2.5, 3}));
   EXPECT_EQ(falling_of(c).shift, -0.25);
+  EXPECT_EQ(falling_of(c).jitter, 0.125);
   ASSERT_EQ(falling_of(c).sets.size(), 2u);
   EXPECT_EQ(falling_of(c).sets[0].lying, (std::array<std::int64_t, 2>{2, 0}));
   EXPECT_EQ(falling_of(c).sets[0].above, (std::array<std::int64_t, 3>{1, 2, 3}));
@@ -413,6 +418,7 @@ TEST(Effective, ReadsBackAsTheSame) {
         "scene.density=" + integer(1, 10000),
         "scene.plate=[" + real(1, 2) + "," + integer(1, 9) + "," + real(1, 1e6) + "]",
         "scene.shift=" + real(-1, 1),
+        "scene.jitter=" + real(0, 1),
         "scene.set.0.lying=[" + integer(0, 100) + "," + integer(0, 100) + "]",
         "scene.set.1.above=[" + integer(0, 20) + "," + integer(0, 20) + "," + integer(0, 20) + "]",
         "scene.set.1.corner=[" + real(-1e6, 1e6) + "," + real(-1e-5, 1e-5) + "]",

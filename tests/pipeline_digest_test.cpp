@@ -118,10 +118,11 @@ TEST(Digests, AreOfMotionTruthAnswersAndRoot) {
                                              "/motion", "/truth"}));
 }
 
-/// Which digests change with `change`.
-template <typename Change>
-std::vector<std::string> changed(Change change) {
+/// Which digests change with `change`, of a result that was made by `first`.
+template <typename First, typename Change>
+std::vector<std::string> changed(First first, Change change) {
   Result result = synthetic_result();
+  first(result);
   const auto before = digests(layout(result));
   change(result);
   const auto after = digests(layout(result));
@@ -129,6 +130,10 @@ std::vector<std::string> changed(Change change) {
   for (const auto& [path, digest] : after)
     if (!before.contains(path) || before.at(path) != digest) out.push_back(path);
   return out;
+}
+template <typename Change>
+std::vector<std::string> changed(Change change) {
+  return changed([](Result&) {}, change);
 }
 using Paths = std::vector<std::string>;
 
@@ -148,7 +153,15 @@ TEST(Digests, DoNotSeeTheClockNorTheMachine) {
 
 TEST(Digests, SeeEveryAnswer) {
   EXPECT_EQ(changed([](Result& r) { r.motion[3][1].t.x() += 0x1p-52; }), (Paths{"/", "/motion"}));
-  EXPECT_EQ(changed([](Result& r) { r.truth.hits.offset[1] -= 1; }), (Paths{"/", "/truth"}));
+  const auto one_hit = [](std::size_t at) {  // the same pair, and only the step tells
+    return [at](Result& r) {
+      const std::size_t steps = r.truth.hits.steps();
+      r.truth.hits = {};
+      for (std::size_t s = 0; s < steps; ++s) r.truth.hits.append(std::vector<Pair>(s == at ? 1 : 0, {0, 1}));
+    };
+  };
+  EXPECT_EQ(changed(one_hit(2)), (Paths{"/", "/truth"}));
+  EXPECT_EQ(changed(one_hit(2), one_hit(3)), (Paths{"/", "/truth"}));
   EXPECT_EQ(changed([](Result& r) { r.answers[1].hits.pair[0].b += 1; }), (Paths{"/", "/answers/method_2"}));
   EXPECT_EQ(changed([](Result& r) { r.answers[1].operations[2] += 1; }), (Paths{"/"}));
   EXPECT_EQ(changed([](Result& r) { r.summary[1].promise_kept = true; }), (Paths{"/"}));

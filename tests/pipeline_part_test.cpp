@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
 
 #include "pipeline/error.hpp"
 #include "pipeline/part.hpp"
@@ -23,6 +27,17 @@ std::string refusal(const fs::path& folder, const PartKey& key, bool force = fal
   return "";
 }
 
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 void overwrite(const fs::path& file, std::streamoff at, char with) {
   std::fstream io(file, std::ios::binary | std::ios::in | std::ios::out);
   io.seekp(at);
@@ -39,8 +54,8 @@ TEST(Part, GivesBackWhatWasSaved) {
   const std::string content("a\0b\xff", 4);
   part.save("motion-0000000", content);
   EXPECT_EQ(part.load("motion-0000000"), content);
-  part.save("empty", "");
-  EXPECT_EQ(part.load("empty"), "");
+  part.save("truth-0000000", "");
+  EXPECT_EQ(part.load("truth-0000000"), "");
 }
 
 TEST(Part, IsResumedByTheSameKeyOnly) {
@@ -81,34 +96,159 @@ TEST(Part, NeverEmptiesAFolderThatIsNotItsOwn) {
 TEST(Part, TakesNoDamagedChunk) {
   const TemporaryFolder folder;
   Part part(folder / "p", kKey, "title", 100, false);
-  part.save("whole", std::string(1000, 'x'));
+  part.save("truth-0000000", std::string(1000, 'x'));
   for (const std::streamoff at : {0, 8, 23, 24, 700, 1023}) {
-    part.save("damaged", std::string(1000, 'x'));
-    overwrite(folder / "p/damaged", at, '!');
-    EXPECT_FALSE(part.load("damaged")) << "byte " << at;
+    part.save("truth-0000050", std::string(1000, 'x'));
+    overwrite(folder / "p/truth-0000050", at, '!');
+    EXPECT_FALSE(part.load("truth-0000050")) << "byte " << at;
   }
   for (const std::uintmax_t size : {0, 7, 24, 500, 1023}) {
-    part.save("torn", std::string(1000, 'x'));
-    fs::resize_file(folder / "p/torn", size);
-    EXPECT_FALSE(part.load("torn")) << "size " << size;
+    part.save("truth-0000100", std::string(1000, 'x'));
+    fs::resize_file(folder / "p/truth-0000100", size);
+    EXPECT_FALSE(part.load("truth-0000100")) << "size " << size;
   }
-  EXPECT_TRUE(part.load("whole"));
+  EXPECT_TRUE(part.load("truth-0000000"));
 }
 
-// A kill while --force empties a folder may leave chunks without their manifest: they belong to nobody, and a chunk of
-// another configuration is never taken even where one is found.
+// A chunk is of its run: one of another configuration is never taken even where one is found.
 TEST(Part, NeverTakesTheChunksOfAnotherRun) {
   const TemporaryFolder folder;
   const fs::path path = folder / "p";
   const PartKey other{.config_sha256 = "c2", .program_sha256 = "p1"};
   { Part(path, kKey, "title", 100, false).save("motion-0000000", "theirs"); }
   fs::copy_file(path / "motion-0000000", folder / "kept");
-  fs::remove(path / "manifest.json");
-  Part mine(path, other, "title", 100, false);
+  Part mine(path, other, "title", 100, true);
   EXPECT_FALSE(mine.resumed());
   EXPECT_FALSE(fs::exists(path / "motion-0000000"));
   fs::copy_file(folder / "kept", path / "motion-0000000");
   EXPECT_FALSE(mine.load("motion-0000000"));
+}
+
+// ... and of its step: until 29 November 2026 a chunk copied under the name of another was taken, and the run ended
+// with another digest and code 0.
+TEST(Part, NeverTakesAChunkUnderAnotherName) {
+  const TemporaryFolder folder;
+  Part part(folder / "p", kKey, "title", 100, false);
+  part.save("answers-0000000", "of step 0");
+  fs::copy_file(folder / "p/answers-0000000", folder / "p/answers-0000050");
+  EXPECT_FALSE(part.load("answers-0000050"));
+  EXPECT_EQ(part.load("answers-0000000"), "of step 0");
+}
+
+// A folder that looks like ours, by a lock or by some manifest, was emptied without --force, and with it.
+TEST(Part, ErasesNothingInAFolderThatIsNotKnownAsItsOwn) {
+  const char* const kForeign[] = {
+      R"({"name":"my web page"})", "{", "[]", R"({"kind":7,"steps":3})",
+      R"({"config_sha256":"c1","inputs_sha256":"","program_sha256":"p1","title":"title","steps":100})"};
+  for (const bool force : {false, true}) {
+    for (const char* manifest : kForeign) {
+      const TemporaryFolder folder;
+      const fs::path path = folder / "p";
+      fs::create_directory(path);
+      std::ofstream(path / "manifest.json") << manifest;
+      std::ofstream(path / "motion-0000000") << "a film";
+      EXPECT_NE(refusal(path, kKey, force).find("in the way"), std::string::npos) << manifest;
+      EXPECT_EQ(names_in(path), (std::set<std::string>{"manifest.json", "motion-0000000"})) << manifest;
+    }
+    const TemporaryFolder folder;
+    const fs::path path = folder / "p";
+    fs::create_directory(path);
+    std::ofstream(path / "lock") << "";
+    std::ofstream(path / "truth-0000000") << "mine";
+    EXPECT_NE(refusal(path, kKey, force).find("in the way"), std::string::npos);
+    EXPECT_EQ(names_in(path), (std::set<std::string>{"lock", "truth-0000000"}));
+  }
+}
+
+TEST(Part, LeavesWhatOthersPutIntoItsFolder) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  const PartKey other{.config_sha256 = "c2", .program_sha256 = "p1"};
+  { Part(path, kKey, "title", 100, false).save("motion-0000000", "1"); }
+  std::ofstream(path / "notes.txt") << "mine";
+  fs::create_directory(path / "truth-0000050");
+  fs::create_symlink(folder / "elsewhere", path / "truth-0000100");
+  const std::set<std::string> foreign{"notes.txt", "truth-0000050", "truth-0000100"};
+  {
+    Part part(path, other, "title", 100, true);
+    EXPECT_FALSE(fs::exists(path / "motion-0000000"));
+    part.save("motion-0000000", "2");
+    testing::internal::CaptureStderr();
+    part.remove();
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find(" is in it); it is of no more use"), std::string::npos) << said;
+  }
+  EXPECT_EQ(names_in(path), foreign);
+}
+
+TEST(Part, IsNoLink) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "elsewhere");
+  fs::create_directory_symlink(folder / "elsewhere", folder / "p");
+  EXPECT_NE(refusal(folder / "p", kKey).find("not a folder"), std::string::npos);
+  EXPECT_TRUE(fs::is_empty(folder / "elsewhere"));
+}
+
+// Chunks were written through whatever link stood at their name with ".new".
+TEST(Part, WritesThroughNoLink) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "precious") << "precious";
+  Part part(folder / "p", kKey, "title", 100, false);
+  for (const char* name : {"p/motion-0000000", "p/motion-0000000.new", "p/.motion-0000000.new"})
+    fs::create_symlink(folder / "precious", folder / name);
+  part.save("motion-0000000", "chunk");
+  EXPECT_EQ(part.load("motion-0000000"), "chunk");
+  EXPECT_EQ(text_of(folder / "precious"), "precious");
+}
+
+TEST(Part, ReadsThroughNoLinkAndTellsWhatItCannotRead) {
+  const TemporaryFolder folder;
+  Part part(folder / "p", kKey, "title", 100, false);
+  part.save("truth-0000000", "chunk");
+  fs::create_symlink("truth-0000000", folder / "p/motion-0000000");
+  fs::create_directory(folder / "p/motion-0000050");
+  mkfifo((folder / "p/answers-0000000").c_str(), 0600);
+  for (const auto& [name, what] : std::map<std::string, std::string>{{"motion-0000000", "is a symbolic link"},
+                                                                     {"motion-0000050", "is a folder"},
+                                                                     {"answers-0000000", "is a pipe"}}) {
+    try {
+      part.load(name);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), kFile);
+      EXPECT_NE(std::string(error.what()).find(name + ": " + what), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(Part, SweepsWhatAKillLeftWhileAChunkWasWritten) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  { Part(path, kKey, "title", 100, false).save("motion-0000000", "1"); }
+  for (const char* name : {".motion-0000050.0123abcd.new", ".manifest.json.89abcdef.new", ".notes.0123abcd.new"})
+    std::ofstream(path / name) << "half";
+  Part again(path, kKey, "title", 100, false);
+  EXPECT_TRUE(again.resumed());
+  EXPECT_EQ(names_in(path), (std::set<std::string>{".notes.0123abcd.new", "lock", "manifest.json", "motion-0000000"}));
+}
+
+// A kill before the first manifest leaves a folder with nothing but its lock, or with half a manifest.
+TEST(Part, TakesOverWhatAKillLeftAtTheVeryBeginning) {
+  for (const char* name : {"lock", ".manifest.json.0123abcd.new"}) {
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "p");
+    std::ofstream(folder / "p" / name) << "";
+    EXPECT_EQ(refusal(folder / "p", kKey), "") << name;
+  }
+}
+
+// A run that failed before it had anything leaves no folders, at any level.
+TEST(Part, LeavesNothingWhenNothingWasSaved) {
+  const TemporaryFolder folder;
+  { Part part(folder / "a/b/p", kKey, "title", 100, false); }
+  EXPECT_FALSE(fs::exists(folder / "a"));
+  { Part(folder / "a/b/p", kKey, "title", 100, false).save("truth-0000000", "1"); }
+  EXPECT_TRUE(fs::exists(folder / "a/b/p/truth-0000000"));
 }
 
 // Killed between the result's rename and the folder's removal: the next run clears it away.
@@ -117,12 +257,15 @@ TEST(Part, ACompleteFolderIsRemovedOnlyWhenItIsCompleteAndFree) {
   const fs::path path = folder / "p";
   {
     Part part(path, kKey, "title", 100, false);
+    part.save("truth-0000000", "1");
     Part::remove_complete(path);
-    EXPECT_TRUE(fs::exists(path)) << "not complete";
+    EXPECT_TRUE(fs::exists(path / "truth-0000000")) << "not complete";
     part.mark_complete();
     Part::remove_complete(path);
     EXPECT_TRUE(fs::exists(path / "manifest.json")) << "another run holds it";
   }
+  EXPECT_TRUE(Part(path, kKey, "title", 100, false).resumed()) << "complete is still the same run";
+  EXPECT_TRUE(fs::exists(path / "truth-0000000"));
   Part::remove_complete(path);
   EXPECT_FALSE(fs::exists(path));
 }
@@ -163,4 +306,47 @@ TEST(Chunk, ReadsWhatWasWritten) {
   EXPECT_EQ(in.text(), "text");
   EXPECT_TRUE(in.get<std::uint64_t>().empty());
   EXPECT_THROW(in.get<char>(), std::logic_error);
+}
+
+// It asked the disk for every step that the manifest spoke of: 10^7 cases stalled `show`.
+TEST(Part, CountsWhatIsThere) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "manifest.json") << R"({"title":"t","steps":10000000,"study":true})";
+  for (const char* name : {"case-0000003", "case-9999999", "case-10000000", "case-3", "case-0000004.new", "lock"})
+    std::ofstream(folder / name) << "x";
+  EXPECT_EQ(part_status(folder / "").cases, 2);
+  std::ofstream(folder / "manifest.json") << R"({"title":"t","steps":130})";
+  for (const char* name : {"motion-0000000", "motion-0000050", "truth-0000100", "answers-0000007", "truth-0000150"})
+    std::ofstream(folder / name) << "x";
+  const PartStatus status = part_status(folder / "");
+  EXPECT_EQ(status.motion_steps, 100);
+  EXPECT_EQ(status.truth_steps, 30);
+  EXPECT_EQ(status.answered_steps, 0);
+}
+
+TEST(Part, RefusesAManifestThatIsNone) {
+  const TemporaryFolder folder;
+  const auto code = [&] {
+    try {
+      part_status(folder / "");
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return kDone;
+  };
+  for (const std::string& text : {std::string("{\"steps\": 1"), std::string(10'000, '['), std::string(1 << 20, ' ')}) {
+    std::ofstream(folder / "manifest.json") << text;
+    EXPECT_EQ(code(), kFile);
+  }
+  fs::remove(folder / "manifest.json");
+  ASSERT_EQ(mkfifo((folder / "manifest.json").c_str(), 0600), 0);
+  EXPECT_EQ(code(), kFile);
+}
+
+// The count of a list is believed only as far as there are bytes.
+TEST(ChunkReader, AllocatesNothingForWhatIsNotThere) {
+  const std::uint64_t count = std::uint64_t{1} << 60;
+  const std::string bytes(reinterpret_cast<const char*>(&count), sizeof count);
+  ChunkReader reader(bytes);
+  EXPECT_THROW(reader.get<double>(), std::logic_error);
 }

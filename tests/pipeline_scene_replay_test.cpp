@@ -124,8 +124,40 @@ TEST_F(Replay, OpenAndDegenerateMeshesAreUsedAndSaid) {
   EXPECT_NE(c.notes[0].find("hero.obj: the surface is open"), std::string::npos);
   EXPECT_NE(c.notes[1].find("hero.obj: 1 triangle has no area"), std::string::npos);
   EXPECT_EQ(error_of(kScene + kHero + "[truth]\ncontainment = \"meet\"\n")
-                .find("c.toml:6:8: 'scene.body.0.mesh' of body 'hero': mesh 'hero' is open"),
+                .find("c.toml:6:8: 'scene.body.0.mesh' of body 'hero': mesh 'hero' is open, the edge from ("),
             0u);
+}
+
+// One open body takes nothing from the others: it is named once, with its edge and the width.
+TEST_F(Replay, AnOpenMeshIsNamedOnceWhereContainmentCounts) {
+  write("hero.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\n");
+  const Config c = config(kScene + kHero + kWall + "[truth]\ncontainment = \"meet\"\n");
+  ASSERT_EQ(c.notes.size(), 1u);
+  EXPECT_NE(c.notes[0].find("hero.obj: the surface is open, the edge from (0, 0, 0) to (1, 0, 0) belongs to 1 facet, "
+                            "also with corners within 9.5367431640625e-07 m taken as one; it is used as it is, and "
+                            "nothing can be inside it"),
+            std::string::npos)
+      << c.notes[0];
+}
+
+TEST_F(Replay, HairsCloseAndTheWidthCanBeTurnedOff) {
+  const std::string closed = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1e-12 0 0\nf 5 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  write("hero.obj", closed);
+  const std::string record = "[truth]\ncontainment = \"record\"\n";
+  EXPECT_TRUE(config(kScene + kHero + record).notes.empty());
+  EXPECT_EQ(make_scene(config(kScene + kHero + record + "closed_within = 1e-9\n")).bodies.closed_within, 1e-9);
+  EXPECT_NE(error_of(kScene + kHero + record + "closed_within = 0\n").find("corners being one where their"),
+            std::string::npos);
+}
+
+TEST_F(Replay, HollowMeshesAreSaidWhereContainmentCounts) {
+  const std::string once = "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  write("hero.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n" + once + once);
+  EXPECT_TRUE(config(kScene + kHero).notes.empty());
+  const Config c = config(kScene + kHero + "[truth]\ncontainment = \"record\"\n");
+  ASSERT_EQ(c.notes.size(), 1u);
+  EXPECT_EQ(c.notes[0].substr(c.notes[0].find("hero.obj")),
+            "hero.obj: 4 facets stand where another stands already; what lies in two shells counts as outside");
 }
 
 TEST_F(Replay, RefusesWhatTheUserWrote) {
@@ -136,11 +168,16 @@ TEST_F(Replay, RefusesWhatTheUserWrote) {
       {kScene, "c.toml:1:1: missing [[scene.body]]"},
       {"[scene]\nkind = \"replay\"\nmotion = \"a.h5\"\nposes = \"poses.csv\"\n",
        "c.toml:4:9: 'scene.poses' must be absent where 'motion' is given, not \"poses.csv\""},
+      {"[scene]\nkind = \"replay\"\nmotion = \"a.h5\"\nhalf_turns = true\n",
+       "c.toml:4:14: 'scene.half_turns' must be absent where 'motion' is given, not true"},
       {"[scene]\nkind = \"replay\"\nmotion = \"a.h5\"\n",
-       "c.toml:3:10: 'scene.motion' must name a file that can be read, not \"a.h5\": a.h5: No such file"},
+       "c.toml:3:10: 'scene.motion' must name a file that can be read, not \"a.h5\": a.h5: cannot be read (No such "
+       "file"},
       {kScene + body("mesh = \"none.obj\"\n"),
-       "c.toml:6:8: 'scene.body.0.mesh' must name a file that can be read, not \"none.obj\": none.obj: No such file"},
-      {kScene + body("mesh = \".\"\n"), "c.toml:6:8: 'scene.body.0.mesh' must name a file that can be read"},
+       "c.toml:6:8: 'scene.body.0.mesh' must name a file that can be read, not \"none.obj\": none.obj: cannot be read "
+       "(No such file"},
+      {kScene + body("mesh = \".\"\n"),
+       "c.toml:6:8: 'scene.body.0.mesh' must name a file that can be read, not \".\": .: is a folder"},
       {kScene + body("mesh = \"far.obj\"\n"), "far.obj:4: index 7 is out of range"},
       {kScene + body("mesh = \"hero.obj\"\nshape = \"box\"\n"),
        "c.toml:7:9: 'scene.body.0.shape' must be absent where 'mesh' is given"},

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
 using namespace pipeline;
 
@@ -38,6 +40,37 @@ TEST(FallingScene, HasTheThesissBodies) {
   EXPECT_EQ(position("set2_above_9"), (Point{-10 + 0.15 + 2.5 * 9, 26, -18 + 0.15}));
   EXPECT_EQ(position("set3_lying_35"), (Point{-5 + 2.1 * 5, 1, -3 + 2.1 * 5}));
   EXPECT_EQ(position("set3_above_215"), (Point{-5 + 0.15 + 2.1 * 5, 75 + 2.1 * 5, -3 + 0.15 + 2.1 * 5}));
+}
+
+// A displacement within jitter along each axis, of the spheres above alone, another one for each and for each seed.
+TEST(FallingScene, JitterDisplacesTheSpheresAboveByTheSeed) {
+  const double jitter = 0.04;
+  const auto with_seed = [&](const std::string& seed) {
+    return made(parse_config("seed = " + seed + "\n[scene]\nkind = \"falling\"\njitter = 0.04\n", "test.toml"));
+  };
+  const Scene still = made(falling()), one = with_seed("1"), again = with_seed("1"), two = with_seed("2");
+  std::set<double> moves;
+  for (std::size_t b = 0; b < still.states.size(); ++b) {
+    EXPECT_EQ(one.states[b].position, again.states[b].position);
+    const bool above = still.bodies.name[b].find("_above_") != std::string::npos;
+    EXPECT_EQ(one.states[b].position != still.states[b].position, above) << still.bodies.name[b];
+    EXPECT_EQ(one.states[b].position != two.states[b].position, above) << still.bodies.name[b];
+    for (int axis = 0; axis < 3 && above; ++axis) {
+      const double move = one.states[b].position[axis] - still.states[b].position[axis];
+      EXPECT_LE(std::fabs(move), jitter * (1 + 1e-12));
+      moves.insert(move);
+    }
+  }
+  // 227 spheres of the thesis's sets: 681 numbers, spread over the whole range (within 5 % of each end surely).
+  EXPECT_EQ(moves.size(), 681u);
+  EXPECT_LT(*moves.begin(), -0.95 * jitter);
+  EXPECT_GT(*moves.rbegin(), 0.95 * jitter);
+}
+
+TEST(FallingScene, WithoutJitterTheSeedChangesNothing) {
+  const Scene one = made(falling());
+  const Scene two = made(parse_config("seed = 2\n[scene]\nkind = \"falling\"\njitter = 0\n", "test.toml"));
+  for (std::size_t b = 0; b < one.states.size(); ++b) EXPECT_EQ(one.states[b].position, two.states[b].position);
 }
 
 TEST(FallingScene, NoTwoSpheresOverlapAtTheStart) {

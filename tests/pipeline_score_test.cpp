@@ -1,8 +1,8 @@
-#include "pipeline/score.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "pipeline/score.hpp"
 
 using namespace pipeline;
 
@@ -32,17 +32,32 @@ TEST(Score, FollowsTheDefinitions) {
   EXPECT_DOUBLE_EQ(row.matthews, (6.0 * 91 - 2.0 * 1) / std::sqrt(8.0 * 7 * 93 * 92));
 }
 
-// TP 6, FP 2, FN 1, contained 3: those are no false positives, and no true negatives either: TN 88 of 100 pairs.
+// TP 6, FP 2, FN 1, contained 3: those are no false positives, and of 97 pairs that are judged 88 are true negatives.
 TEST(Score, CountsContainedHitsApart) {
   Answers answers = counted({4, 2}, {2, 0}, {0, 1});
-  EXPECT_FALSE(summarise(answers, 100).contained_hit);
+  EXPECT_FALSE(summarise(answers, 97).contained_hit);
   answers.contained_hit = {1, 2};
-  const Summary row = summarise(answers, 100);
+  const Summary row = summarise(answers, 97);
   EXPECT_EQ(row.contained_hit, 3u);
   EXPECT_EQ(row.hits, 11u);
   EXPECT_DOUBLE_EQ(row.error, 3.0 / 9.0);
   EXPECT_DOUBLE_EQ(row.precision, 6.0 / 8.0);
   EXPECT_DOUBLE_EQ(row.matthews, (6.0 * 88 - 2.0 * 1) / std::sqrt(8.0 * 7 * 90 * 89));
+}
+
+// A pair that is recorded as contained is neither true nor false, whether somebody reports it or not.
+TEST(Score, RecordedContainedPairsAreNotJudged) {
+  Result result;
+  result.bodies.mesh = {0, 0, 0, 0};
+  result.bodies.fixed = {0, 0, 1, 1};
+  result.motion.assign(3, std::vector<geometry::Pose>(4));  // 5 pairs a step: not that of two fixed bodies
+  for (const std::vector<Pair>& step :
+       {std::vector<Pair>{{0, 1}}, std::vector<Pair>{}, std::vector<Pair>{{0, 1}, {0, 2}}})
+    result.truth.contained.append(step);
+  result.truth.containment = Containment::record;
+  EXPECT_EQ(judged_pairs(result), 12u);
+  result.truth.containment = Containment::meet;
+  EXPECT_EQ(judged_pairs(result), 15u);
 }
 
 TEST(Score, ErrorIsZeroAndRatiosAreNaNWhereNothingMeetsOrIsReported) {
@@ -71,16 +86,19 @@ TEST(Score, JudgesPromises) {
   answers.promise = "exact";
   answers.rounding_miss = {0, 2};
   EXPECT_FALSE(summarise(answers, 100).promise_kept);
-  EXPECT_TRUE(summarise([] {
-                Answers perfect = counted({5}, {0}, {0});
-                perfect.promise = "exact";
-                return perfect;
-              }(), 100).promise_kept);
+  EXPECT_TRUE(summarise(
+                  [] {
+                    Answers perfect = counted({5}, {0}, {0});
+                    perfect.promise = "exact";
+                    return perfect;
+                  }(),
+                  100)
+                  .promise_kept);
 }
 
 TEST(Score, TimesAreMeanMedianAndNearestRank) {
-  Answers answers = counted(std::vector<std::uint64_t>(20), std::vector<std::uint64_t>(20),
-                            std::vector<std::uint64_t>(20));
+  Answers answers =
+      counted(std::vector<std::uint64_t>(20), std::vector<std::uint64_t>(20), std::vector<std::uint64_t>(20));
   for (std::size_t i = 0; i < 20; ++i) answers.time_ns[i] = std::int64_t((i * 7) % 20 + 1);  // 1 ... 20, shuffled
   const Summary row = summarise(answers, 0);
   EXPECT_DOUBLE_EQ(row.time_mean_ns, 10.5);

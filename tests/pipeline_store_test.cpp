@@ -7,10 +7,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 
 #include "pipeline/error.hpp"
 #include "pipeline/h5.hpp"
+#include "pipeline/seal.hpp"
 #include "pipeline/store.hpp"
 #include "synthetic_result.hpp"
 
@@ -46,6 +48,21 @@ std::string bytes_of(const fs::path& path) {
 }
 
 void put(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+
+/// Seals what HDF5 has changed, as somebody may.
+void seal(const fs::path& path) {
+  const std::string bytes = bytes_of(path);
+  put(path, bytes + seal_of(std::as_bytes(std::span(bytes))));
+}
+
+/// Changes a result by HDF5 and seals it again.
+void change(const fs::path& path, const std::function<void(hid_t)>& how) {
+  {
+    const h5::File opened(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open");
+    how(opened.id());
+  }
+  seal(path);
+}
 
 /// The line of the Error that reading ends with; also checks its code and that it is one line about this file.
 std::string reading_fails(const fs::path& path) {
@@ -136,6 +153,11 @@ void expect_same(const Result& a, const Result& b) {
   expect_same(a.truth.hits, b.truth.hits);
   EXPECT_EQ(a.truth.containment, b.truth.containment);
   expect_same(a.truth.contained, b.truth.contained);
+  EXPECT_EQ(a.truth.contained_inside, b.truth.contained_inside);
+  ASSERT_EQ(a.truth.closed_within.size(), b.truth.closed_within.size());
+  for (std::size_t i = 0; i < a.truth.closed_within.size(); ++i)
+    EXPECT_TRUE(same_bits(a.truth.closed_within[i], b.truth.closed_within[i]));
+  EXPECT_EQ(a.bodies.closed_within, b.bodies.closed_within);
   ASSERT_EQ(a.truth.gaps.has_value(), b.truth.gaps.has_value());
   if (a.truth.gaps) {
     EXPECT_EQ(a.truth.gaps->margin, b.truth.gaps->margin);
@@ -220,9 +242,20 @@ TEST_F(Store, KeepsContainedPairsAndTheHitsOnThem) {
         result.answers[a].contained_hit = {a, 1, 0};
         result.summary[a].contained_hit = a + 1;
       }
+    round_trip(result, file("a.h5"), file("b.h5"));  // as files are that do not say which one is inside
+    result.bodies.closed_within = 0x1p-30;
+    result.truth.contained_inside = {0, 2, 3};
+    result.truth.closed_within = {2.5e-16, std::numeric_limits<double>::quiet_NaN()};
     round_trip(result, file("a.h5"), file("b.h5"));
     // They are part of the truth's digest.
     const std::string before = digests(result).at("/truth");
+    result.truth.contained_inside->at(1) = 0;
+    EXPECT_NE(digests(result).at("/truth"), before);
+    result.truth.contained_inside->at(1) = 3;  // not of the pair
+    write_result(result, file("c.h5"));
+    EXPECT_THROW(read_result(file("c.h5")), Error);
+    result.truth.contained_inside->at(1) = 2;
+    EXPECT_EQ(digests(result).at("/truth"), before);
     result.truth.contained.pair[1].b = 3;
     EXPECT_NE(digests(result).at("/truth"), before);
   }
@@ -312,7 +345,7 @@ TEST_F(Store, KeepsTextsOfAnyLength) {
   result.config_text = "";
   // More than the 64 KiB that an attribute of fixed length could hold.
   result.config_effective = std::string(200'000, 'x');
-  result.answers[0].knobs = "";
+  result.answers[0].knobs = "{\"x\":\"" + std::string(100'000, 'x') + "\"}";
   result.title = "";
   round_trip(result, file("a.h5"), file("b.h5"));
 }
@@ -404,10 +437,16 @@ TEST_F(Store, SaysThatAFileIsTruncated) {
   Result result = synthetic_result();
   write_result(result, file());
   const std::string bytes = bytes_of(file());
-  for (const double part : {0.01, 0.3, 0.9, 0.9999}) {
-    SCOPED_TRACE(part);
-    put(file("part.h5"), bytes.substr(0, static_cast<std::size_t>(static_cast<double>(bytes.size()) * part)));
+  const std::size_t end = bytes.rfind("\ncollision benchmark result, seal ");
+  for (const std::size_t size : {bytes.size() / 100, bytes.size() * 3 / 10, end * 9 / 10, end - 1}) {
+    SCOPED_TRACE(size);
+    put(file("part.h5"), bytes.substr(0, size));
     EXPECT_NE(reading_fails(file("part.h5")).find("is truncated"), std::string::npos);
+  }
+  for (const std::size_t size : {end, end + 1, bytes.size() - 1}) {
+    SCOPED_TRACE(size);
+    put(file("part.h5"), bytes.substr(0, size));
+    EXPECT_NE(reading_fails(file("part.h5")).find("its seal is missing"), std::string::npos);
   }
 }
 
@@ -444,14 +483,193 @@ TEST_F(Store, RefusesChangedAnswers) {
     const std::vector<double> better(result.answers.size(), 0.0);
     h5::check(H5Dwrite(dataset.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, better.data()), "write");
   }
-  EXPECT_NE(reading_fails(file()).find("does not have its digest"), std::string::npos);
+  EXPECT_NE(reading_fails(file()).find("its seal is missing"), std::string::npos);
+  seal(file());
+  EXPECT_NE(reading_fails(file()).find("its content does not have its digest"), std::string::npos);
+}
+
+// What follows is crafted: whoever makes such files seals them too.
+
+TEST_F(Store, ComparesTheDigestOfEveryGroup) {
+  for (const std::string group : {"/motion", "/truth", "/answers/method_1", "/"}) {
+    SCOPED_TRACE(group);
+    Result result = synthetic_result();
+    write_result(result, file());
+    change(file(), [&](hid_t opened) {
+      const h5::Handle<H5Oclose> object(H5Oopen(opened, group.c_str(), H5P_DEFAULT), "open");
+      h5::check(H5Adelete(object.id(), "digest"), "delete");
+      h5::write_attribute(object.id(), "digest", std::string(32, '0'));
+    });
+    const std::string line = reading_fails(file());
+    EXPECT_NE(line.find((group == "/" ? "its content" : group) + " does not have its digest"), std::string::npos)
+        << line;
+  }
+}
+
+TEST_F(Store, RefusesCountsThatContradictTheLists) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  change(file(), [&](hid_t opened) {  // it follows from the pairs, so it is not read otherwise
+    const h5::Dataset dataset(H5Dopen2(opened, "/truth/hits", H5P_DEFAULT), "open");
+    const std::vector<std::uint64_t> more(result.steps(), 77);
+    h5::check(H5Dwrite(dataset.id(), H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, more.data()), "write");
+  });
+  EXPECT_NE(reading_fails(file()).find("/truth/hits: contradicts the rest"), std::string::npos);
+}
+
+TEST_F(Store, NamesAnAttributeOfAnotherKind) {
+  const struct {
+    const char *object, *name;
+    h5::Scalar value;
+    const char* said;
+  } kCases[] = {
+      {"/answers/method_1", "knobs", "{broken", "attribute knobs of /answers/method_1: is no JSON object"},
+      {"/answers/method_1", "knobs", std::string(100'000, '['), "is no JSON object"},
+      {"/answers/method_1", "promise", std::int64_t{1}, "attribute promise of /answers/method_1: it has another type"},
+      {"/answers/method_1", "promise", "always", "'always' is not known"},
+      {"/", "library_versions", "[1]", "attribute library_versions of /: is no JSON object"},
+      {"/", "title", 1.5, "attribute title of /: it has another type"},
+      {"/meshes/plate", "shape", "{\"kind\":", "attribute shape of /meshes/plate: is no JSON object"},
+      {"/run", "wall_time_s", "long", "attribute wall_time_s of /run: it has another type"}};
+  for (const auto& one : kCases) {
+    Result result = synthetic_result();
+    write_result(result, file());
+    change(file(), [&](hid_t opened) {
+      const h5::Handle<H5Oclose> object(H5Oopen(opened, one.object, H5P_DEFAULT), "open");
+      h5::check(H5Adelete(object.id(), one.name), "delete");
+      h5::write_attribute(object.id(), one.name, one.value);
+    });
+    const std::string line = reading_fails(file());
+    EXPECT_NE(line.find(one.said), std::string::npos) << line;
+  }
+}
+
+// A sphere's radius is read from its shape: of another kind it is none, and no exception of the JSON library.
+TEST_F(Store, ReadsAShapeWithOddParameters) {
+  Result result = synthetic_result();
+  result.bodies.meshes[0].shape = "{\"kind\":\"sphere\",\"radius\":\"big\"}";
+  write_result(result, file());
+  EXPECT_EQ(read_result(file()).bodies.meshes[0].sphere_radius, 0);
+}
+
+TEST_F(Store, FollowsNoLinkOutOfTheFileOrInCircles) {
+  ASSERT_EQ(mkfifo(file("fifo").c_str(), 0600), 0);  // opening it would wait for ever
+  const auto refused = [&](const std::function<void(hid_t)>& make, const std::string& said) {
+    Result result = synthetic_result();
+    write_result(result, file());
+    change(file(), [&](hid_t opened) {
+      h5::check(H5Ldelete(opened, "/motion", H5P_DEFAULT), "delete");
+      make(opened);
+    });
+    const std::string line = reading_fails(file());
+    EXPECT_NE(line.find(said), std::string::npos) << line;
+  };
+  const auto fifo = file("fifo").string();
+  refused([&](hid_t to) { H5Lcreate_external(fifo.c_str(), "/motion", to, "/motion", H5P_DEFAULT, H5P_DEFAULT); },
+          "/motion: is a link to another file");
+  refused([](hid_t to) { H5Lcreate_soft("/motion", to, "/motion", H5P_DEFAULT, H5P_DEFAULT); },
+          "/motion: is a soft link");
+  refused(
+      [](hid_t to) {
+        std::string path;
+        for (int i = 0; i < 100; ++i) {
+          path += "/d";
+          h5::Group(H5Gcreate2(to, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "make");
+        }
+      },
+      "is nested too deep");
+}
+
+TEST_F(Store, ReadsNoValuesFromElsewhere) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  change(file(), [&](hid_t opened) {
+    h5::check(H5Ldelete(opened, "/truth/time_ns", H5P_DEFAULT), "delete");
+    const h5::Properties made(H5Pcreate(H5P_DATASET_CREATE), "make");
+    h5::check(H5Pset_external(made.id(), "/etc/passwd", 0, 56), "lie elsewhere");
+    const hsize_t size = result.steps();
+    const h5::Space space(H5Screate_simple(1, &size, nullptr), "shape");
+    h5::Dataset(H5Dcreate2(opened, "/truth/time_ns", H5T_STD_I64LE, space.id(), H5P_DEFAULT, made.id(), H5P_DEFAULT),
+                "make");
+  });
+  EXPECT_NE(reading_fails(file()).find("/truth/time_ns: its values are in another file"), std::string::npos);
+}
+
+// 4.1 GB were taken for a file of 235 KB: nothing of the dataset is stored, all of it would be the fill value.
+TEST_F(Store, TakesNoMemoryForWhatIsNotStored) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  change(file(), [](hid_t opened) {
+    const h5::Dataset pair(H5Dopen2(opened, "/answers/method_1/pair", H5P_DEFAULT), "open");
+    const hsize_t size[] = {hsize_t{1} << 29, 2};
+    h5::check(H5Dset_extent(pair.id(), size), "grow");
+  });
+  const std::string line = reading_fails(file());
+  EXPECT_NE(line.find("/answers/method_1/pair: of 1073741824 values only "), std::string::npos) << line;
+}
+
+TEST_F(Store, RefusesMoreStepsThanAConfigurationMayAskFor) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  change(file(), [](hid_t opened) {
+    const h5::Dataset step(H5Dopen2(opened, "/step", H5P_DEFAULT), "open");
+    const hsize_t size = hsize_t{1} << 29;
+    h5::check(H5Dset_extent(step.id(), &size), "grow");
+  });
+  const std::string line = reading_fails(file());
+  EXPECT_NE(line.find("/step: has 536870912 entries, at most 10000000 make sense"), std::string::npos) << line;
+}
+
+TEST_F(Store, RefusesMoreMeshesThanBodies) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  change(file(), [&](hid_t opened) {
+    for (int i = 0; i < 1000; ++i)
+      h5::Group(H5Gcreate2(opened, ("/meshes/m" + std::to_string(i)).c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                "make");
+  });
+  EXPECT_NE(reading_fails(file()).find("/meshes: has 1002 entries, at most 5 make sense"), std::string::npos);
+}
+
+TEST_F(Store, ReadsWithoutASealOnlyWhenAskedTo) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  {
+    const h5::File opened(H5Fopen(file().c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open");
+    h5::Group(H5Gcreate2(opened.id(), "/my", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "make");
+  }
+  EXPECT_NE(reading_fails(file()).find("--unsealed"), std::string::npos);
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(read_result(file(), true).digest, result.digest);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("times and attributes are vouched for by nobody"), std::string::npos) << said;
+}
+
+// Results from before there were seals lack the attribute too.
+TEST_F(Store, ReadsAnOlderFileAndSaysSo) {
+  Result result = synthetic_result();
+  write_result(result, file());
+  {
+    const h5::File opened(H5Fopen(file().c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open");
+    h5::check(H5Adelete(opened.id(), kSealed), "delete");
+  }
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(read_result(file()).digest, result.digest);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("is not sealed, as results of older programs"), std::string::npos) << said;
+}
+
+TEST_F(Store, WaitsForNoFifoAndReadsNoDevice) {
+  ASSERT_EQ(mkfifo(file("fifo").c_str(), 0600), 0);
+  EXPECT_NE(reading_fails(file("fifo")).find("is not a regular file"), std::string::npos);
+  EXPECT_NE(reading_fails("/dev/zero").find("is not a regular file"), std::string::npos);
 }
 
 TEST_F(Store, SaysWhyAFileCannotBeWritten) {
   std::ofstream(file("plain"));
   const fs::path nowhere = file("plain") / "result.h5";
   const std::string line = writing_fails(nowhere);
-  EXPECT_EQ(line.rfind(nowhere.string() + ": cannot be written (Not a directory)", 0), 0u) << line;
+  EXPECT_EQ(line.rfind(nowhere.string() + ": the folder cannot be opened (Not a directory)", 0), 0u) << line;
   fs::create_directory(file("folder.h5"));
   EXPECT_NE(writing_fails(file("folder.h5")).find("not a regular file"), std::string::npos);
   EXPECT_NE(writing_fails("/dev/full").find("not a regular file"), std::string::npos);
@@ -476,15 +694,6 @@ TEST_F(Store, KeepsTheOldFileWhenThereIsNoRoom) {
   EXPECT_EQ(line.find('\n'), std::string::npos) << line;
   EXPECT_TRUE(bytes_of(file()) == before);
   EXPECT_EQ(files(), std::vector<std::string>{"result.h5"});
-}
-
-TEST(EstimatedBytes, CountPosesPairsAndColumns) {
-  // One step more costs 56 bytes a pose, (A + 1) lists of 4 pairs a body and an offset, 9 columns of results and 9 of
-  // physics.
-  const std::uint64_t bodies = 275, algorithms = 11;
-  const std::uint64_t step = bodies * 56 + (algorithms + 1) * (4 * bodies * 8 + 8) + algorithms * 9 * 8 + 9 * 8;
-  EXPECT_EQ(estimated_bytes(601, bodies, algorithms, 1000) - estimated_bytes(600, bodies, algorithms, 1000), step);
-  EXPECT_EQ(estimated_bytes(600, bodies, algorithms, 5000) - estimated_bytes(600, bodies, algorithms, 1000), 4000u);
 }
 
 // For the tests in Python: writes the made-up result where RESULT_FILE says, when it says so.

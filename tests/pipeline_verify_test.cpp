@@ -40,14 +40,17 @@ Result crowd(std::size_t steps = 4, int count = 14, bool containment = false) {
     }
     result.motion.push_back(poses);
     std::vector<Pair> hits, contained;
+    if (containment && s == 0) result.truth.contained_inside.emplace();
     for (const geometry::PairRun& run : geometry::pair_runs(result.bodies, poses))
       for (std::uint32_t b = run.first; b < run.last; ++b) {
         const auto t = geometry::brute_force::world_triangles(result.bodies.mesh_of(run.a), poses[run.a]);
         const auto u = geometry::brute_force::world_triangles(result.bodies.mesh_of(b), poses[b]);
         if (geometry::brute_force::meet(t, u))
           hits.push_back({run.a, b});
-        else if (containment && (geometry::brute_force::contained(t, u) || geometry::brute_force::contained(u, t)))
+        else if (containment && (geometry::brute_force::contained(t, u) || geometry::brute_force::contained(u, t))) {
           contained.push_back({run.a, b});
+          result.truth.contained_inside->push_back(geometry::brute_force::contained(t, u) ? run.a : b);
+        }
       }
     result.truth.hits.append(hits);
     if (containment) result.truth.contained.append(contained);
@@ -178,17 +181,48 @@ TEST(Verify, FindsWrongContainment) {
   while (right.truth.contained.at(step).empty()) ++step;
   Result left_out = right;
   left_out.truth.contained = with_step(right.truth.contained, step, {});
+  left_out.truth.contained_inside.reset();
   auto found = verify_all(left_out).difference;
   ASSERT_TRUE(found);
   EXPECT_EQ(found->truth, Relation::apart);
-  EXPECT_EQ(found->oracle, Relation::contained);
+  EXPECT_TRUE(found->oracle == Relation::a_inside || found->oracle == Relation::b_inside);
 
   Result invented = right;
   invented.truth.contained = with_step(right.truth.contained, step, at(right.truth.hits, step));
+  invented.truth.contained_inside.reset();
   found = verify_all(invented).difference;
   ASSERT_TRUE(found);
   EXPECT_EQ(found->truth, Relation::contained);
   EXPECT_EQ(found->oracle, Relation::meet);
+
+  // The room is body 0: others lie in it, not it in them.
+  Result turned = right;
+  const std::size_t entry = right.truth.contained.offset[step];
+  const Pair pair = right.truth.contained.pair[entry];
+  ASSERT_EQ(pair.a, 0u);
+  ASSERT_EQ(right.truth.contained_inside->at(entry), pair.b);
+  turned.truth.contained_inside->at(entry) = pair.a;
+  found = verify_all(turned).difference;
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->pair, pair);
+  EXPECT_EQ(found->truth, Relation::a_inside);
+  EXPECT_EQ(found->oracle, Relation::b_inside);
+}
+
+// Closed by its corners a hair apart: the oracle finds the same surface by itself, and differs where it is told another
+// width.
+TEST(Verify, JudgesMeshesWithHairsByTheirWidth) {
+  Result result = crowd(4, 14, true);
+  ASSERT_GT(result.truth.contained.pair.size(), 0u);
+  geometry::Mesh& room = result.bodies.meshes[2];
+  room.vertices.push_back(room.vertices[room.triangles[0][0]] + Vec3(0x1p-40, 0, 0));
+  room.triangles[0][0] = std::uint32_t(room.vertices.size() - 1);
+  EXPECT_FALSE(verify_all(result).difference);
+  result.bodies.closed_within = 0;
+  const auto found = verify_all(result).difference;
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->truth, Relation::b_inside);
+  EXPECT_EQ(found->oracle, Relation::apart);
 }
 
 TEST(Verify, DrawsTheSamePairsAgainInEqualShares) {

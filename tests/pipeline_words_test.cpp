@@ -4,8 +4,10 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <random>
 
+#include "pipeline/print.hpp"
 #include "pipeline/words.hpp"
 
 namespace pipeline {
@@ -35,6 +37,25 @@ TEST(Words, OneLineHasNoControlCharacters) {
   EXPECT_EQ(one_line("\xC2\x9B"), "?");  // CSI in one character
   EXPECT_EQ(one_line("ááá", 2), "áá...");
   EXPECT_EQ(one_line("ááá", 3), "ááá");
+}
+
+TEST(Words, WhatIsShownKeepsItsLinesAndNoControls) {
+  EXPECT_EQ(visible("a\x1b]0;x\x07\nb\r\xC2\x9B"
+                    "2J\xff\n"),
+            "a?]0;x?\nb??2J?\n");
+  EXPECT_EQ(visible("žluťoučký\n"), "žluťoučký\n");
+}
+
+// What JSON leaves as it is and terminals obey: DEL, and CSI in one character. The document says the same.
+TEST(Words, JsonReachesATerminalWithoutControls) {
+  const nlohmann::json json = {{"title",
+                                "\x7F\xC2\x9B"
+                                "2Já\x1b\xff"}};
+  const std::string text = dumped(json);
+  EXPECT_EQ(visible(text), text);
+  EXPECT_EQ(nlohmann::json::parse(text)["title"],
+            "\x7F\xC2\x9B"
+            "2Já\x1b\xEF\xBF\xBD");
 }
 
 TEST(Words, NearestForgivesOneEditInThree) {

@@ -13,7 +13,7 @@ def pipeline(*arguments, **more):
 
 
 def one_line(run):
-    """stderr as the single line that an error must be."""
-    lines = run.stderr.strip().splitlines()
+    """stderr as the single line that an error must be, but for the word that a shortened run leaves something out."""
+    lines = [line for line in run.stderr.strip().splitlines() if " steps leave out " not in line]
     assert len(lines) == 1, run.stderr
     return lines[0]

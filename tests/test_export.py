@@ -120,6 +120,8 @@ def test_index_names_every_step_with_its_time(pipeline, result_file, tmp_path):
     run = export(pipeline, result_file, "--vtk", tmp_path / "out", "--steps", "2:5")
     index = tmp_path / "out" / f"{result_file.stem}.pvd"
     assert run.stdout.splitlines()[-1] == str(index) and "3 steps, about" in run.stdout
+    quiet = export(pipeline, result_file, "--vtk", tmp_path / "out", "--steps", "2:5", "--force", "--quiet")
+    assert (quiet.stdout, quiet.stderr) == (f"{index}\n", "")  # the result stays
     rows = [row.attrib for row in ET.parse(index).iter("DataSet")]
     rate = load(result_file).meta["rate"]
     assert [float(row["timestep"]) for row in rows] == [step / rate for step in (2, 3, 4)]

@@ -1,14 +1,13 @@
 """The file is the interface: what h5py, xarray and analysis/load.py find in a result."""
 
 import shutil
-import struct
 import warnings
 
 import h5py
 import numpy as np
 import pytest
 import xarray
-import xxhash
+from editing import datasets, digests_of, edited, is_scale, objects, sealed
 
 from analysis.load import load
 
@@ -32,6 +31,7 @@ DIMENSIONS = {
     "/truth/pair": ["entry", "side"],
     "/truth/contained_offset": ["boundary"],
     "/truth/contained_pair": ["contained_entry", "side"],
+    "/truth/contained_inside": ["contained_entry"],
     "/truth/gap_offset": ["boundary"],
     "/truth/gap_pair": ["gap_entry", "side"],
     "/truth/gap_lower": ["gap_entry"],
@@ -64,22 +64,6 @@ def file(result_file):
 @pytest.fixture
 def copy(result_file, tmp_path):
     return shutil.copy(result_file, tmp_path / "copy.h5")
-
-
-def is_scale(dataset):
-    return h5py.h5ds.is_scale(dataset.id)
-
-
-def objects(group, path=""):
-    """(path, object) of every link below a group, hard links to the same object each by its own path."""
-    for name in group:
-        yield f"{path}/{name}", group[name]
-        if isinstance(group[name], h5py.Group):
-            yield from objects(group[name], f"{path}/{name}")
-
-
-def datasets(file):
-    return {path: found for path, found in objects(file) if isinstance(found, h5py.Dataset)}
 
 
 def columns(file):
@@ -238,52 +222,6 @@ def test_bodies_name_their_meshes(file):
         assert mesh["triangles"][()].max() < len(mesh["vertices"])
 
 
-# The digest, again, from the file alone and from the definition in pipeline/digest.hpp.
-
-
-def integer(value):
-    return struct.pack("<Q", value)
-
-
-def text(value):
-    return integer(len(value.encode())) + value.encode()
-
-
-def record(path, dataset):
-    is_text = dataset.dtype == object
-    kind = "text" if is_text else dataset.dtype.str.lstrip("<|")
-    head = text(path) + text(kind) + integer(dataset.ndim) + b"".join(integer(size) for size in dataset.shape)
-    if is_text:
-        return head + b"".join(text(value) for value in dataset.asstr()[()].ravel())
-    values = dataset[()]
-    if kind == "f8":
-        values = np.where(np.isnan(values), np.frombuffer(integer(0x7FF8000000000000), "<f8")[0], values)
-    return head + values.astype(values.dtype.newbyteorder("<")).tobytes()
-
-
-def xxh3(data):
-    return xxhash.xxh3_128(data).hexdigest()
-
-
-def digests_of(file):
-    """path -> digest of the three kinds of group and of the root."""
-    chosen = {
-        path: dataset
-        for path, dataset in datasets(file).items()
-        if path != "/config"
-        and not path.endswith("_ns")
-        and (not is_scale(dataset) or path in ("/step", "/body", "/algorithm"))
-    }
-    owners = ["/motion", "/truth"] + [f"/answers/{label}" for label in file.get("answers", [])]
-    found, rest = {}, dict(chosen)
-    for owner in owners:
-        mine = sorted((path for path in chosen if path.rsplit("/", 1)[0] == owner), key=str.encode)
-        found[owner] = xxh3(b"".join(record(path, rest.pop(path)) for path in mine))
-    head = b"".join(text(path) + text(found[path]) for path in sorted(found, key=str.encode))
-    found["/"] = xxh3(head + b"".join(record(path, rest[path]) for path in sorted(rest, key=str.encode)))
-    return found
-
-
 def test_digests_are_recomputed_from_the_file(file):
     assert file.attrs["digest_algorithm"] == "XXH3-128"
     found = digests_of(file)
@@ -319,7 +257,7 @@ def test_summary_is_indexed_by_algorithm(result_file, file):
 
 
 def test_physics_is_there_only_when_integrated(result_file, file, copy):
-    with h5py.File(copy, "r+") as changed:
+    with edited(copy) as changed:
         if "physics" in changed:
             del changed["physics"]
     assert load(copy).physics is None
@@ -363,7 +301,7 @@ def test_meta_says_where_the_result_comes_from(result_file, file):
 
 @pytest.mark.parametrize("version", [0, 2, 1000])
 def test_load_refuses_a_schema_that_it_does_not_know(copy, version):
-    with h5py.File(copy, "r+") as changed:
+    with edited(copy) as changed:
         changed.attrs["schema_version"] = version
     with pytest.raises(ValueError, match=f"schema version {version}, this module reads 1 to 1"):
         load(copy)
@@ -374,3 +312,17 @@ def test_load_refuses_the_files_of_others(tmp_path):
         other["data"] = [1, 2, 3]
     with pytest.raises(ValueError, match="not a result"):
         load(tmp_path / "other.h5")
+
+
+# The seal, which other readers do not see (pipeline/seal.hpp).
+
+
+def test_the_last_line_is_the_checksum_of_all_before_it(result_file):
+    content = result_file.read_bytes()
+    assert sealed(content) == content
+    assert content.splitlines()[-1].startswith(b"collision benchmark result, seal 1: XXH3-128 ")
+
+
+def test_xarray_finds_its_engine_in_a_sealed_file(result_file):
+    with xarray.open_dataset(result_file, group="summary") as opened:
+        assert "error" in opened

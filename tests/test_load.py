@@ -6,6 +6,7 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
+from editing import edited
 from conftest import SCENES
 
 from analysis.__main__ import main
@@ -123,7 +124,7 @@ def test_a_truncated_file_is_refused(result_file, tmp_path, refuse):
 @pytest.mark.parametrize("version", [2, 10**6, "1.0", -1])
 def test_a_newer_or_odd_schema_is_refused_by_its_number(result_file, tmp_path, refuse, version):
     copy = shutil.copy(result_file, tmp_path / "copy.h5")
-    with h5py.File(copy, "r+") as changed:
+    with edited(copy) as changed:
         changed.attrs["schema_version"] = version
     refuse(copy, "schema version", str(version))
 

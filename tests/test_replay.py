@@ -205,7 +205,6 @@ HOSTILE = {
     "norm": ("replay_example/poses.csv", "2.2,1,0,0,0", "2.2,1.01,0,0,0", "poses.csv:2: the quaternion"),
     "no number": ("replay_example/poses.csv", "0,gate,0,", "0,gate,zero,", "poses.csv:2: px must be a number"),
     "more steps": ("replay_example.toml", "rate  = 30", "steps = 999\nrate = 30", "replay_example.toml:9:9: 'steps'"),
-    "open mesh": ("replay_example/hero.obj", "f 2 5 4 3\n", "", "'scene.body.0.mesh' of body 'hero'"),
 }
 
 

@@ -7,11 +7,12 @@ import subprocess
 import sys
 import xml.dom.minidom
 
-import h5py
 import matplotlib.image
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
+from editing import edited
 from browser import browsing, open_page
 from conftest import ROOT, SCENES
 
@@ -148,7 +149,7 @@ def test_the_same_file_gives_the_same_bytes(made, result_file):
 
 def test_texts_of_a_file_are_shown_and_not_run(copy, tmp_path):
     evil = '<script>console.error("run")</script>&"' + "x" * 900
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         file.attrs["title"] = evil
         file["answers/obb_sat"].attrs["operations_unit"] = evil
     assert main(["report", str(copy), "-o", str(tmp_path / "r.html")]) == 0
@@ -229,27 +230,80 @@ def test_sweeps_join_labels_that_differ_in_one_number():
     assert pareto.relatives(points, "cost") == [("f", [4, 3])]
 
 
-@pytest.mark.parametrize("seed, count", [(0, 2), (1, 12), (2, 24), (3, 24), (4, 60)])
-def test_labels_cover_neither_each_other_nor_marks(seed, count):
+def closest(point, line):
+    """How far a point is from the stretch x0 y0 x1 y1, by trying 1001 points of it."""
+    at = np.linspace(line[:2], line[2:], 1001)
+    return np.hypot(*(at - point).T).min()
+
+
+@pytest.mark.parametrize(
+    "seed, count, spread, long",
+    [(0, 2, (90, 30), 110), (1, 12, (90, 30), 110), (2, 24, (90, 30), 110), (3, 24, (30, 15), 150),
+     (4, 60, (90, 40), 110), (5, 60, (60, 60), 200)],
+)  # fmt: skip
+def test_labels_are_tied_to_their_marks_and_cover_nothing(seed, count, spread, long):
     random = np.random.default_rng(seed)
-    marks = random.normal((200, 150), (90, 30), (count, 2)).clip((20, 20), (380, 280))
-    sizes = np.column_stack([random.uniform(30, 110, count), np.full(count, 9)])
+    one = random.normal((200, 150), spread, (count // 2, 2))  # and the same marks of a second file, a bit slower
+    marks = np.vstack([one, one + random.uniform((1, 0), (12, 0), one.shape)]).clip((20, 20), (380, 280))
+    sizes = np.column_stack([random.uniform(30, long, count), np.full(count, 9)])
     region = (0, 0, 420, 300)
-    corners = labels.place(np.arange(count), sizes, region, marks, np.full(count, 4), [])
+    corners, leaders = labels.place(np.arange(count), sizes, region, marks, np.full(count, 4), [])
     put = ~np.isnan(corners[:, 0])
-    assert put.sum() >= min(count, 20) * 0.8, f"seed {seed}"
+    assert put.sum() >= min(count, 15), f"seed {seed}"
     low, high = corners[put], corners[put] + sizes[put]
     assert (low >= 0).all() and (high <= region[2:]).all()
     covered = (low[:, None] < high[None]).all(axis=2) & (low[None] < high[:, None]).all(axis=2)
     assert not (covered & ~np.eye(put.sum(), dtype=bool)).any(), f"seed {seed}"
     assert not ((low[:, None] < marks[None] + 4) & (marks[None] - 4 < high[:, None])).all(axis=2).any(), f"seed {seed}"
+    for label in np.flatnonzero(put):
+        box = corners[label], corners[label] + sizes[label]
+        far = np.hypot(*(marks - marks.clip(*box)).T)  # of every mark from this label
+        strangers = np.hypot(*(marks - marks[label]).T) > 1.5
+        if np.isnan(leaders[label]).any():
+            assert far[label] < far[strangers].min(initial=np.inf), f"seed {seed}, label {label}"
+            assert far[label] < 4 + 7
+        else:
+            start, end = leaders[label][:2], leaders[label][2:]
+            assert np.hypot(*(start - marks[label])) == pytest.approx(4)
+            assert np.hypot(*(end - end.clip(*box))) < 1e-9
+            assert all(closest(mark, leaders[label]) > 4 for mark in marks[strangers]), f"seed {seed}, label {label}"
+
+
+def test_names_of_two_files_side_by_side_are_tied_to_their_own_marks():
+    names = ["facet_vectors", "facet_rotations", "facet_triangles", "obb_triangles", "obb_corners", "aabb", "exact"]
+    rows = [
+        {"label": f"{name} (k{file})", "algorithm": name, "time_mean_ns": 1e5 * (1 + 0.07 * i) * (1 + 0.03 * n),
+         "error": 0.9 + 0.004 * i, "front": i == 0, "scope": "pair", "exact": False, "library": False, "knobs": {}}
+        for i, name in enumerate(names) for n, file in enumerate("AB")
+    ]  # fmt: skip
+    points = pd.DataFrame(rows)
+    fig, _, nameless = plots_error._draw(points, "time_mean_ns")
+    main = fig.axes[0]
+    to_pixels = fig.transFigure.transform
+    marks = main.transData.transform(points[["time_mean_ns", "error"]].to_numpy())
+    texts = {text.get_text(): text.get_window_extent() for text in fig.texts}
+    assert len(texts) >= 8 and set(texts) | set(nameless) == set(points.label)
+    ties = [(to_pixels(np.column_stack(line.get_data())), line.get_color()) for line in fig.artists]
+    for row, label in enumerate(points.label):
+        if label not in texts:
+            continue
+        box = texts[label].min - 3, texts[label].max + 3  # a line may end at the edge of another font's letters
+        far = np.hypot(*(marks - marks.clip(texts[label].min, texts[label].max)).T)
+        mine = [colour for ends, colour in ties if (ends[1] == ends[1].clip(*box)).all()]
+        if mine:
+            assert mine == [style(points.algorithm[row])["color"]], label
+            (start,) = [ends[0] for ends, _ in ties if (ends[1] == ends[1].clip(*box)).all()]
+            assert np.argmin(np.hypot(*(marks - start).T)) == row, label
+        else:
+            assert np.argmin(far) == row, label
+    plt.close(fig)
 
 
 @pytest.mark.parametrize("line", [(115, 0, 115, 200), (107.5, 0, 107.5, 200)], ids=["through it", "at its edge"])
 def test_a_label_goes_where_no_line_touches_it(line):
-    free = labels.place([0], [(40, 9)], (0, 0, 200, 200), [(100, 100)], [4], [])
+    free, _ = labels.place([0], [(40, 9)], (0, 0, 200, 200), [(100, 100)], [4], [])
     assert tuple(free[0]) == (108, 95.5)  # to the right, in the middle
-    (left, low), *_ = labels.place([0], [(40, 9)], (0, 0, 200, 200), [(100, 100)], [4], [line])
+    ((left, _),), _ = labels.place([0], [(40, 9)], (0, 0, 200, 200), [(100, 100)], [4], [line])
     assert not left - 1 < line[0] < left + 41
 
 
@@ -313,7 +367,7 @@ def test_long_labels_leave_room_to_the_bars_and_none_is_an_axis_of_its_own_size(
 
 def test_an_algorithm_without_error_stands_in_the_strip(copy):
     assert "none is without error" in figures([load(copy)])[0].svg
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         file["answers/obb_sat"].attrs["promise"] = "exact"
         for name in ("error", "false_positive", "false_negative"):
             values = file[f"summary/{name}"][()]
@@ -325,7 +379,7 @@ def test_an_algorithm_without_error_stands_in_the_strip(copy):
 
 
 def test_names_in_the_strip_stand_off_the_front(copy, tmp_path):
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         for name in ("error", "false_positive", "false_negative"):
             file[f"summary/{name}"][...] = 0
         file["summary/time_mean_ns"][...] = 10.0 ** np.arange(3, 3 + len(file["algorithm"]))
@@ -350,7 +404,7 @@ def test_files_of_one_motion_share_figures_and_equal_answers_count_once(result_f
 
 
 def test_another_machines_times_are_drawn_apart_and_it_is_said(result_file, copy, tmp_path, brief):
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         file["answers/obb_sat"].attrs["processor"] = "Other processor"
     path = tmp_path / "r.html"
     assert main(["report", str(copy), "-o", str(path)]) == 0
@@ -412,7 +466,7 @@ def test_a_failed_integration_is_said(pipeline, tmp_path):
 
 
 def test_a_result_without_algorithms_is_said(copy, tmp_path):
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         for group in ("results", "summary", "answers", "algorithm"):
             del file[group]
     odd(copy, tmp_path, "no algorithm has answered", "There is nothing to draw")
@@ -422,7 +476,7 @@ def test_a_result_without_algorithms_is_said(copy, tmp_path):
     "group", ["physics", "results", "bodies", "meshes", "motion", "truth", "run", "summary", "config", "passes"]
 )
 def test_a_group_that_is_missing_is_no_obstacle(copy, tmp_path, group):
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         if group in file:
             del file[group]
     said = {"results": "lacks /results", "motion": "lacks /motion", "truth": "has no truth",
@@ -432,7 +486,7 @@ def test_a_group_that_is_missing_is_no_obstacle(copy, tmp_path, group):
 
 
 def test_what_makes_times_or_answers_doubtful_is_said(copy, tmp_path, brief):
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         file.attrs["build_type"] = "Debug"
         file.attrs["git_commit"] = "0123456789-dirty"
         kept = file["summary/promise_kept"][()]

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 import pandas as pd
 import pytest
+from editing import edited
 import xarray
 
 from conftest import ROOT
@@ -180,7 +181,7 @@ def test_what_asks_for_poses_refuses_a_study(result, tmp_path):
 def test_a_damaged_study_is_refused(result, tmp_path):
     copy = tmp_path / "x.h5"
     copy.write_bytes(result.read_bytes())
-    with h5py.File(copy, "r+") as file:
+    with edited(copy, digests=False) as file:
         file["study/error"][3] = 0.5
     run = pipeline("show", copy)
     assert run.returncode == FILE and "damaged" in one_line(run)
@@ -189,7 +190,7 @@ def test_a_damaged_study_is_refused(result, tmp_path):
 def test_a_study_that_lacks_a_column_is_one_line_with_its_place(result, tmp_path):
     copy = tmp_path / "x.h5"
     copy.write_bytes(result.read_bytes())
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         del file["study/energy_error"]
     run = analysis("study", copy)
     assert run.returncode == FILE and one_line(run).startswith(f"{copy}: is damaged") and "energy_error" in run.stderr
@@ -295,7 +296,7 @@ greatest_step = [1e-2, 1e-3]
 def test_small_numbers_of_a_drift_are_printed_and_not_rounded_to_nothing(tmp_path):
     path = tmp_path / "smoke.h5"
     assert pipeline("run", ROOT / "configs/smoke.toml", "-o", path, "--set", "steps=20").returncode == DONE
-    with h5py.File(path, "r+") as file:
+    with edited(path) as file:
         file["physics"].attrs["quaternion_drift"] = 1.25e-13
         file["physics"].attrs["status"] = "failed at step 17: more than 100000 steps in one sample at t = 0.3 s"
     lines = dict(line.split(maxsplit=1) for line in analysis("study", path).stdout.splitlines())

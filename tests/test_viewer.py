@@ -15,6 +15,7 @@ import h5py
 import matplotlib.image
 import numpy as np
 import pytest
+from editing import edited
 from browser import browsing
 from conftest import ROOT
 from program import one_line
@@ -59,7 +60,7 @@ def drawn(data, k, body):
     pose = poses[k, body]
     mesh = data["meshes"][data["bodies"][body]["mesh"]]
     vertices = array(mesh["vertices"], "<f4").reshape(-1, 3).astype(float)
-    return viewer.turned(pose[:4], vertices) + pose[4:] + data["centre"]
+    return (viewer.turned(pose[:4], vertices) + pose[4:]) * data["unit"] + data["centre"]
 
 
 def true_vertices(path, step, body):
@@ -121,7 +122,7 @@ def test_bodies_are_drawn_where_they_are(request, name):
 def test_a_scene_a_million_kilometres_away_keeps_its_shape(result_file, tmp_path):
     far = tmp_path / "far.h5"
     shutil.copy(result_file, far)
-    with h5py.File(far, "r+") as file:
+    with edited(far) as file:
         file["motion/position"][...] += 1e9
     data = data_of(page_of(far, step=10))
     k = 10 - data["first"]
@@ -202,7 +203,7 @@ def test_files_that_are_none_or_cannot_be_written_are_told_in_a_line(command, re
     text.write_text("no result")
     cut.write_bytes(result_file.read_bytes()[:50_000])
     shutil.copy(result_file, newer)
-    with h5py.File(newer, "r+") as file:
+    with edited(newer) as file:
         file.attrs["schema_version"] = 99
     for path in (text, cut, newer, tmp_path / "none.h5", tmp_path):
         run = command(path, "--step", 5, "-o", tmp_path / "x.html")
@@ -223,7 +224,7 @@ def test_files_that_are_none_or_cannot_be_written_are_told_in_a_line(command, re
 
 def test_a_figure_that_is_no_number_is_damage_and_no_blank_page(command, result_file, tmp_path):
     shutil.copy(result_file, tmp_path / "own.h5")
-    with h5py.File(tmp_path / "own.h5", "r+") as file:
+    with edited(tmp_path / "own.h5") as file:
         del file["time"].attrs["rate"]
     run = command(tmp_path / "own.h5", "--step", 5, "-o", tmp_path / "x.html")
     assert run.returncode == FILE and "own.h5: is damaged" in one_line(run)
@@ -319,6 +320,44 @@ def test_a_click_on_a_body_tells_its_name_and_partners(page):
     assert page.evaluate("document.querySelectorAll('#chosen li').length") == partners > 0
 
 
+# Three cubes of half the side `size`: a and b overlap, c stands beside them: bounding_sphere invents its two pairs.
+# Before the page had a unit of its own, cubes below 3e-8 m and above 1e11 m were drawn black.
+@pytest.mark.parametrize("size", [1e-12, 1e-6, 1.0, 1e6, 1e12])
+def test_colours_are_seen_at_every_size(pipeline, tmp_path, size):
+    corners = [f"v {x * size!r} {y * size!r} {z * size!r}" for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    faces = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
+    (tmp_path / "a.obj").write_text("\n".join(corners + ["f " + face for face in faces]) + "\n")
+    rows = [f"0,{name},{x * size!r},{y * size!r},0.0,1,0,0,0" for name, x, y in (("a", 0, 0), ("b", 1.5, 0), ("c", 0, 2.5))]
+    (tmp_path / "poses.csv").write_text("\n".join(["step,body,px,py,pz,qw,qx,qy,qz", *rows]) + "\n")
+    bodies = "".join(f'[[scene.body]]\nname = "{name}"\nmesh = "a.obj"\n' for name in "abc")
+    (tmp_path / "case.toml").write_text(
+        f'[scene]\nkind = "replay"\nposes = "poses.csv"\n{bodies}'
+        '[timing]\nrepeats = 1\n[[algorithm]]\nname = "aabb"\n[[algorithm]]\nname = "bounding_sphere"\n'
+    )
+    file = tmp_path / "case.h5"
+    subprocess.run([pipeline, "run", tmp_path / "case.toml", "-o", file, "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    with opened(page_of(file, label="bounding_sphere"), tmp_path) as page:
+        assert page.evaluate("viewer.now().fp.length") == 2 and page.evaluate("viewer.now().tp.length") == 1
+        image = picture(page)
+        page.evaluate("viewer.setAlgorithm(0)")  # aabb is right: the boxes are the bodies, and c touches none
+        right = picture(page)
+        page.evaluate("(viewer.choose([0, 2]), 0)")
+        told = page.evaluate("document.getElementById('chosen').textContent")
+        assert page.messages == []
+    # 75,335 and 46,373 pixels; black cubes left 3,837 (the links) and none.
+    assert coloured(image, FP) > 30000, "a, b and c are in a wrong pair"
+    assert coloured(right, TP) > 30000 and coloured(right, FP) == 0
+    apart = float(re.search(r"([\d.e+-]+) m apart", told)[1])
+    assert apart == pytest.approx(0.5 * size, rel=1e-5)
+
+
+def test_a_scene_of_small_and_large_bodies_gives_up_neither():
+    assert viewer._unit([1e-3, 1e3], 1e3) == 1
+    assert viewer._unit([1e-12], 2e-12) == pytest.approx(1.4e-12, rel=0.5)
+    assert 1e250 / viewer._unit([1e-300, 1e250], 0) < 2e9  # far below the greatest Float32
+    assert viewer._unit([0.0], 0.0) == 1  # all bodies are one point at the middle
+
+
 def test_a_click_on_a_row_brings_the_camera_to_the_pair(page):
     before = picture(page)
     page.click_on("#lists li button")
@@ -376,7 +415,7 @@ def test_without_webgl_the_page_says_so_and_still_lists(result_file, tmp_path):
 def test_hostile_names_and_lost_bodies_do_no_harm(result_file, tmp_path):
     copy, title = tmp_path / "copy.h5", "</script><script>alert(1)</script><img src=x onerror=alert(1)><!-- data -->"
     shutil.copy(result_file, copy)
-    with h5py.File(copy, "r+") as file:
+    with edited(copy) as file:
         file.attrs["title"] = title
         file["motion/position"][50:] = np.nan  # as after an integration that failed at step 50
     with opened(page_of(copy, step=45), tmp_path) as page:
