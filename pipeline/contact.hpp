@@ -196,7 +196,8 @@ class Neighbours {
   }
 
  private:
-  // Of the greatest radius. Falling spheres would be 2 % faster with 1, those at rest slower; below 0.2 both are slower.
+  // Of the greatest radius. Falling spheres would be 2 % faster with 1, those at rest slower; below 0.2 both are
+  // slower.
   static constexpr double kMargin = 0.4;
 
   bool moved() const {
