@@ -58,11 +58,12 @@ void read_physics(const Section& s, Config& config) {
     if (s.exists()) s.fail("'physics' is not for this kind of scene: nothing is integrated; remove the table");
     return;
   }
-  s.only({"integrator", "accuracy", "gravity", "linear_damping", "angular_damping", "stiffness", "dissipation",
-          "static_friction", "dynamic_friction", "viscous_friction", "transition_velocity", "contact_radius",
-          "step_budget", "time_budget", "energy_bound"});
+  s.only({"bodies", "integrator", "accuracy", "gravity", "linear_damping", "angular_damping", "stiffness",
+          "dissipation", "static_friction", "dynamic_friction", "viscous_friction", "transition_velocity",
+          "contact_radius", "step_budget", "time_budget", "energy_bound"});
   Physics& p = config.physics;
   Material& m = p.material;
+  p.bodies = s.choice("bodies", "free", {"free", "tree"}) == "tree" ? BodyModel::tree : BodyModel::free;
   p.integrator = s.choice("integrator", p.integrator, integrator_names());
   p.accuracy = s.real("accuracy", p.accuracy, {.least = 0, .most = 1, .above = true, .below = true});
   s.reals("gravity", p.gravity, kFinite);
@@ -172,6 +173,7 @@ std::string effective(const Config& c) {
   if (c.scene_kind->integrated) {
     const Physics& p = c.physics;
     out.table("[physics]");
+    out.line("bodies", std::string(p.bodies == BodyModel::tree ? "tree" : "free"));
     out.line("integrator", p.integrator);
     out.line("accuracy", p.accuracy);
     out.list("gravity", p.gravity);

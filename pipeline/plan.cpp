@@ -32,7 +32,8 @@ using Json = nlohmann::ordered_json;
 constexpr double kMiB = 1 << 20;
 constexpr double kProgram = 24 * kMiB, kHdf5 = 8 * kMiB;  // program and libraries; more of them once HDF5 writes
 constexpr double kImage = 16 * kMiB;                      // HDF5's file in memory grows by so much at a time
-constexpr double kMovingBody = 16 * 1024;                 // Simbody, a body
+constexpr double kFreeBody = 4 * 1024;  // in integration, a body; in a multibody tree
+constexpr double kTreeBody = 16 * 1024;
 constexpr double kGrown = 1.5;                            // a vector that grew, on average
 
 constexpr double kObject = 1900;                // a group or dataset with its attributes
@@ -123,7 +124,7 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   if (!config.inputs.empty()) result += meshes + motion;
 
   const double moving = config.scene_kind->integrated ? double(plan.bodies) : 0;
-  const double integrating = result + kMovingBody * moving;
+  const double integrating = result + (config.physics.bodies == BodyModel::tree ? kTreeBody : kFreeBody) * moving;
   result += steps * (config.scene_kind->integrated ? sizeof(PhysicsSample) : 0) + 32 * steps + 12 * poses.moving;
 
   const double chunks = std::ceil(steps / double(kChunkSteps));

@@ -1,4 +1,5 @@
-// Simbody's integrators by name. Includes Simbody: only simulate.cpp sees this header (CMakeLists.txt says why).
+// Simbody's integrators by name. Includes Simbody: only the target that integrates sees it (CMakeLists.txt
+// says why).
 #pragma once
 #include <Simbody.h>
 

@@ -1,12 +1,10 @@
-// Motion by Simbody 3.7. The only file that includes it: C++17, and never NDEBUG (CMakeLists.txt says why).
-//
-// Contact (contact.hpp) is a force of our own: Simbody has no contact of sphere with box, and its broad phase is
-// slower.
+// Motion by Simbody 3.7: C++17, and never NDEBUG (CMakeLists.txt says why).
 #include "pipeline/physics/simulate.hpp"
 
 #include <Simbody.h>
 #include <limits.h>
 #include <link.h>
+#include <malloc.h>
 #include <stdlib.h>
 
 #include <algorithm>
@@ -17,20 +15,15 @@
 #include <limits>
 #include <stdexcept>
 
-#include "pipeline/physics/force.hpp"
+#include "pipeline/physics/forces.hpp"
+#include "pipeline/physics/free_bodies.hpp"
 #include "pipeline/physics/integrator.hpp"
+#include "pipeline/physics/tree.hpp"
 
 namespace pipeline {
 namespace {
 
-using contact::Clock;
-using contact::ContactForce;
-using contact::finite;
-using contact::nanoseconds;
-using contact::vec3;
-using contact::Watch;
 using SimTK::Integrator;
-using SimTK::SpatialVec;
 using SimTK::State;
 using SimTK::Vec3;
 
@@ -60,6 +53,20 @@ std::string one_line(const std::string& what) {
   }
   while (!out.empty() && out.back() == ' ') out.pop_back();
   return out;
+}
+
+/// Whether a symmetric matrix (xx, yy, zz, xy, xz, yz) is positive definite, by its leading minors.
+bool positive_definite(const std::array<double, 6>& m) {
+  const double minor = m[0] * m[1] - m[3] * m[3];
+  const double determinant = m[2] * minor - m[0] * m[5] * m[5] - m[1] * m[4] * m[4] + 2 * m[3] * m[4] * m[5];
+  return positive(m[0]) && positive(minor) && positive(determinant);
+}
+
+/// Whether masses can have these moments of inertia: tr(I) / 2 - I, their second moments, has no negative value. A flat
+/// body has one of zero, which is rounded.
+bool is_inertia(const std::array<double, 6>& m) {
+  const double half = (m[0] + m[1] + m[2]) / 2 * (1 + 1e-9);
+  return positive_definite(m) && positive_definite({half - m[0], half - m[1], half - m[2], -m[3], -m[4], -m[5]});
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -101,6 +108,13 @@ void check(const std::vector<RigidBody>& bodies, const Physics& physics, const s
       for (const double half : body.half_extents) require(positive(half), who + "half extents must be positive");
     require(body.fixed || positive(body.mass), who + "the mass must be positive");
     require(body.fixed || !body.sphere || positive(body.inertia), who + "the inertia must be positive");
+    require(finite(vec3(body.centre_of_mass)), who + "the centre of mass must be finite");
+    require(
+        body.fixed || body.inertia_matrix == std::array<double, 6>{} || is_inertia(body.inertia_matrix),
+        who +
+            "the inertia matrix must be that of a body: positive definite, no principal moment above the sum of the "
+            "others");
+    require(!body.hung || body.centre_of_mass == std::array<double, 3>{}, who + "a hung body must be centred");
     const BodyState& s = states[i];
     require(finite(vec3(s.position)) && finite(vec3(s.velocity)) && finite(vec3(s.angular_velocity)),
             who + "position and velocity must be finite");
@@ -112,10 +126,21 @@ void check(const std::vector<RigidBody>& bodies, const Physics& physics, const s
   require(any_moves, "no body moves");
 }
 
-Vec3 principal_inertia(const RigidBody& body) {
-  if (body.sphere) return Vec3(body.inertia);
-  const auto& h = body.half_extents;
-  return body.mass / 3 * Vec3(h[1] * h[1] + h[2] * h[2], h[0] * h[0] + h[2] * h[2], h[0] * h[0] + h[1] * h[1]);
+/// An integrator makes and frees vectors of the length of the state all the time. From 128 KiB on (1,260 bodies) glibc
+/// would fetch them from the kernel page by page and give them back each time: a third of all the time.
+void keep_freed_memory() {
+  static const bool once = [] {
+    mallopt(M_MMAP_THRESHOLD, 32 << 20);
+    mallopt(M_TRIM_THRESHOLD, 128 << 20);
+    return true;
+  }();
+  static_cast<void>(once);
+}
+
+std::unique_ptr<Mechanics> mechanics_of(const std::vector<RigidBody>& bodies, const Physics& physics,
+                                        const std::vector<BodyState>& states, Watch& watch) {
+  const bool joined = std::any_of(bodies.begin(), bodies.end(), [](const RigidBody& b) { return !b.fixed && b.hung; });
+  return (joined || physics.bodies == BodyModel::tree ? multibody_tree : free_bodies)(bodies, physics, states, watch);
 }
 
 }  // namespace
@@ -123,16 +148,11 @@ Vec3 principal_inertia(const RigidBody& body) {
 // ---------------------------------------------------------------------------------------------------------------------
 
 struct Simulation::Implementation {
-  SimTK::MultibodySystem system;
-  SimTK::SimbodyMatterSubsystem matter{system};
-  SimTK::GeneralForceSubsystem forces{system};
   Physics physics;
   std::vector<BodyState> initial;
-  std::vector<ContactForce::Moving> moving;
-  std::vector<bool> hung;  // of each moving body
-  bool free = true;        // nothing acts from outside: momentum stays
   Watch watch;
-  const ContactForce* contact_force = nullptr;  // the force subsystem owns it
+  std::unique_ptr<Mechanics> mechanics;
+  bool isolated = true;  // nothing acts from outside: momentum stays
   std::shared_ptr<Integrator> integrator;
   double reference_energy = 0;
   std::int64_t spent_ns = 0;
@@ -142,87 +162,39 @@ struct Simulation::Implementation {
                  double time, double reference)
       : physics(physics_in), initial(states) {
     check(bodies, physics, states, time);
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      const RigidBody& body = bodies[i];
-      free = free && !body.fixed && !body.hung;
-      if (body.fixed) continue;
-      const Vec3 inertia = principal_inertia(body);
-      const SimTK::Body::Rigid rigid(SimTK::MassProperties(body.mass, Vec3(0), SimTK::Inertia(inertia)));
-      SimTK::MobilizedBodyIndex index;
-      if (body.hung) {
-        const Vec3 rod(0, (vec3(states[i].position) - vec3(body.pivot)).norm(), 0);
-        index = SimTK::MobilizedBody::Pin(matter.Ground(), vec3(body.pivot), rigid, rod).getMobilizedBodyIndex();
-      } else {
-        index = SimTK::MobilizedBody::Free(matter.Ground(), SimTK::Transform(), rigid, SimTK::Transform())
-                    .getMobilizedBodyIndex();
-      }
-      hung.push_back(body.hung);
-      moving.push_back({static_cast<int>(i), index, body.mass, inertia});
-    }
+    keep_freed_memory();
     const Vec3 gravity = vec3(physics.gravity);
-    free = free && gravity == Vec3(0) && physics.linear_damping == 0 && physics.angular_damping == 0;
-    if (gravity != Vec3(0)) SimTK::Force::Gravity(forces, matter, gravity);
-    auto* force = new ContactForce(matter, forces, bodies, physics, states, moving, watch);
-    SimTK::Force::Custom(forces, force);
-    contact_force = force;
-    system.realizeTopology();
-
-    State state = system.getDefaultState();
-    system.realizeModel(state);
-    state.setTime(time);
-    for (std::size_t m = 0; m < moving.size(); ++m) {
-      const BodyState& s = states[moving[m].body];
-      const SimTK::MobilizedBody& mobod = matter.getMobilizedBody(moving[m].index);
-      const int q = mobod.getFirstQIndex(state), u = mobod.getFirstUIndex(state);
-      if (hung[m]) {
-        state.updQ()[q] = 2 * std::atan2(s.orientation[3], s.orientation[0]);
-        state.updU()[u] = s.angular_velocity[2];
-        continue;
-      }
-      for (int i = 0; i < 4; ++i) state.updQ()[q + i] = s.orientation[i];
-      for (int i = 0; i < 3; ++i) {
-        state.updQ()[q + 4 + i] = s.position[i];
-        state.updU()[u + i] = s.angular_velocity[i];
-        state.updU()[u + 3 + i] = s.velocity[i];
-      }
-    }
-    integrator = make_integrator(system, physics);
-    integrator->initialize(state);
+    isolated = gravity == Vec3(0) && physics.linear_damping == 0 && physics.angular_damping == 0;
+    for (const RigidBody& body : bodies) isolated = isolated && !body.fixed && !body.hung;
+    mechanics = mechanics_of(bodies, physics, states, watch);
+    integrator = make_integrator(mechanics->system(), physics);
+    integrator->initialize(mechanics->start(states, time));
 
     reference_energy = reference;
     if (!(reference > 0)) {
       PhysicsSample now;
-      measure(now);
+      const double elastic = forces().measure(now);
       double weight = 0;
-      for (const auto& body : moving) {
-        const RigidBody& b = bodies[body.body];
+      for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const RigidBody& b = bodies[i];
+        if (b.fixed) continue;
         const double size = b.sphere ? b.radius : vec3(b.half_extents).norm();
-        weight += body.mass * (std::fabs(~gravity * vec3(states[body.body].position)) + gravity.norm() * size);
+        weight += b.mass * (std::fabs(~gravity * vec3(states[i].position)) + gravity.norm() * size);
       }
       reference_energy = std::max(now.kinetic_energy + elastic + weight, std::numeric_limits<double>::min());
     }
   }
 
-  double elastic = 0;  // J, of the last measurement
-
-  /// Energies and contacts at the present time.
-  void measure(PhysicsSample& sample) {
-    const State& state = integrator->getState();
-    system.realize(state, SimTK::Stage::Velocity);
-    elastic = contact_force->measure(state, sample);
-    sample.kinetic_energy = matter.calcKineticEnergy(state);
-    double gravity_energy = 0;
-    for (const auto& body : moving)
-      gravity_energy -=
-          body.mass * (~vec3(physics.gravity) * matter.getMobilizedBody(body.index).getBodyOriginLocation(state));
-    sample.energy = sample.kinetic_energy + gravity_energy + elastic;
+  /// The forces at the present time, with its kinematics.
+  Forces& forces() const {
+    mechanics->system().realize(integrator->getState(), SimTK::Stage::Velocity);
+    return mechanics->at(integrator->getState());
   }
 
   bool state_is_finite() const {
     const SimTK::Vector& y = integrator->getState().getY();
-    for (int i = 0; i < y.size(); ++i)
-      if (!std::isfinite(y[i])) return false;
-    return true;
+    const double* first = y.getContiguousScalarData();
+    return std::all_of(first, first + y.size(), [](double x) { return std::isfinite(x); });
   }
 
   std::string at() const { return " at t = " + text(integrator->getState().getTime()) + " s"; }
@@ -286,7 +258,7 @@ struct Simulation::Implementation {
     if (failure.empty() && !state_is_finite()) failure = "positions or velocities are not finite" + at();
     if (!failure.empty()) return failure;
     try {
-      measure(sample);
+      forces().measure(sample);
     } catch (const std::exception& error) {
       return failure = one_line(error.what());
     }
@@ -296,41 +268,6 @@ struct Simulation::Implementation {
     return failure;
   }
 
-  /// Of a body on a pin, whose coordinate is an angle.
-  BodyState hanging(const SimTK::MobilizedBody& mobod, const State& state) const {
-    system.realize(state, SimTK::Stage::Velocity);
-    BodyState out;
-    const SimTK::Quaternion turn = mobod.getBodyRotation(state).convertRotationToQuaternion();
-    const Vec3 position = mobod.getBodyOriginLocation(state);
-    const SpatialVec velocity = mobod.getBodyVelocity(state);
-    for (int i = 0; i < 4; ++i) out.orientation[i] = turn[i];
-    for (int i = 0; i < 3; ++i) {
-      out.position[i] = position[i];
-      out.angular_velocity[i] = velocity[0][i];
-      out.velocity[i] = velocity[1][i];
-    }
-    return out;
-  }
-
-  /// Linear and angular momentum in units of their scales.
-  std::array<double, 6> momentum(const State& state) const {
-    Vec3 linear(0), angular(0);
-    for (const auto& body : moving) {
-      const SimTK::MobilizedBody& mobod = matter.getMobilizedBody(body.index);
-      const SpatialVec velocity = mobod.getBodyVelocity(state);
-      const SimTK::Rotation& r = mobod.getBodyRotation(state);
-      const Vec3 arm = mobod.getBodyOriginLocation(state) - vec3(physics.balance.about);
-      linear += body.mass * velocity[1];
-      angular += arm % (body.mass * velocity[1]) + r * (~r * velocity[0]).elementwiseMultiply(body.inertia);
-    }
-    std::array<double, 6> out;
-    for (int i = 0; i < 3; ++i) {
-      out[i] = linear[i] / physics.balance.momentum;
-      out[3 + i] = angular[i] / physics.balance.angular_momentum;
-    }
-    return out;
-  }
-
   /// Energy and momentum less what came from outside and plus what was lost, in units of their scales.
   struct Weighed {
     double energy;
@@ -338,10 +275,10 @@ struct Simulation::Implementation {
   };
   Weighed weigh() {
     PhysicsSample now;
-    measure(now);
-    const State& state = integrator->getState();
-    const std::array<double, 7> beside = contact_force->beside(state);
-    Weighed out{now.energy / physics.balance.energy + beside[0], momentum(state)};
+    Forces& present = forces();
+    present.measure(now);
+    const std::array<double, kBesides> beside = mechanics->beside(integrator->getState());
+    Weighed out{now.energy / physics.balance.energy + beside[0], present.momentum()};
     for (int i = 0; i < 6; ++i) out.momentum[i] -= beside[1 + i];
     return out;
   }
@@ -355,7 +292,7 @@ struct Simulation::Implementation {
     watch.evaluation_reason = "more than " + std::to_string(evaluations) + " force evaluations";
     const std::clock_t begun = std::clock();
     std::int64_t rounds = 0;
-    const bool momentum_known = physics.balance.tracked || free;
+    const bool momentum_known = physics.balance.tracked || isolated;
     trace.smallest_step = SimTK::NaN;
     const auto give_up = [&](Ended ended, const std::string& reason) {
       trace.ended = ended;
@@ -384,9 +321,9 @@ struct Simulation::Implementation {
           break;
         }
         // The next step begins with it, so it costs nothing.
-        system.realize(state, SimTK::Stage::Acceleration);
+        mechanics->system().realize(state, SimTK::Stage::Acceleration);
         if (!watch.reason.empty()) break;
-        trace.greatest_penetration = std::max(trace.greatest_penetration, contact_force->depth());
+        trace.greatest_penetration = std::max(trace.greatest_penetration, mechanics->loads(state).depth);
         if (!over) trace.smallest_step = std::fmin(trace.smallest_step, integrator->getPreviousStepSizeTaken());
         if (state.getTime() < next_look && !over) continue;
         next_look = state.getTime() + between;
@@ -416,24 +353,7 @@ struct Simulation::Implementation {
 
   std::vector<BodyState> states() const {
     std::vector<BodyState> out = initial;
-    const State& state = integrator->getState();
-    const SimTK::Vector& q = state.getQ();
-    const SimTK::Vector& u = state.getU();
-    for (std::size_t m = 0; m < moving.size(); ++m) {
-      const SimTK::MobilizedBody& mobod = matter.getMobilizedBody(moving[m].index);
-      const int qi = mobod.getFirstQIndex(state), ui = mobod.getFirstUIndex(state);
-      BodyState& s = out[moving[m].body];
-      if (hung[m]) {
-        s = hanging(mobod, state);
-        continue;
-      }
-      for (int i = 0; i < 4; ++i) s.orientation[i] = q[qi + i];
-      for (int i = 0; i < 3; ++i) {
-        s.position[i] = q[qi + 4 + i];
-        s.angular_velocity[i] = u[ui + i];
-        s.velocity[i] = u[ui + 3 + i];
-      }
-    }
+    mechanics->write(integrator->getState(), out);
     return out;
   }
 };
@@ -450,7 +370,7 @@ Simulation::~Simulation() = default;
 
 PhysicsSample Simulation::sample() {
   PhysicsSample out;
-  implementation_->measure(out);
+  implementation_->forces().measure(out);
   return out;
 }
 

@@ -24,7 +24,7 @@ struct Material {
   double transition_velocity = 0.5;  // m/s; a smaller one costs steps
 };
 
-/// A sphere or a box, of uniform density, centred on its frame's origin.
+/// A sphere or a box, centred on its frame's origin; of uniform density unless it says otherwise.
 struct RigidBody {
   bool fixed = false;
   bool sphere = true;                    // else a box
@@ -32,6 +32,10 @@ struct RigidBody {
   std::array<double, 3> half_extents{};  // m (boxes)
   double mass = 1;                       // kg; ignored when fixed
   double inertia = 1;                    // kg m^2 about every axis (spheres; a box's follows from its mass)
+  // Of a body that is not of uniform density: where its centre of mass is in its frame, m, and its moments and products
+  // of inertia about that, along the axes of its frame: xx, yy, zz, xy, xz, yz in kg m^2. All zero: as said above.
+  std::array<double, 3> centre_of_mass{};
+  std::array<double, 6> inertia_matrix{};
   // A pendulum: it only turns about the line through `pivot` m parallel to z, like a door. Its position must be `pivot`
   // less its own y axis times the distance.
   bool hung = false;
@@ -55,8 +59,13 @@ struct Balance {
   bool tracked = false;
 };
 
+/// What Simbody's integrators advance. Bodies of their own, each with its equations of Newton and Euler, or one
+/// multibody tree, which gives the same motion at several times the cost.
+enum class BodyModel { free, tree };
+
 /// How to integrate, and when to give up.
 struct Physics {
+  BodyModel bodies = BodyModel::free;  // a hung body makes it a tree
   std::string integrator = "RungeKuttaMerson";
   double accuracy = 1e-3;  // of a step, relative; SemiExplicitEuler controls no error: its step in s (at most 0.01)
   double greatest_step = 0.01;  // s; free fall would let steps grow until a body crosses a plate unseen

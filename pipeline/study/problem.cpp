@@ -370,6 +370,8 @@ Setting in_units(Setting setting, double length, double mass, double time) {
     body.half_extents = 1 / length * body.half_extents;
     body.mass /= mass;
     body.inertia /= mass * length * length;
+    body.centre_of_mass = 1 / length * body.centre_of_mass;
+    for (double& moment : body.inertia_matrix) moment /= mass * length * length;
     body.pivot = 1 / length * body.pivot;
   }
   for (BodyState& state : setting.states) {

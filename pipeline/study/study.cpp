@@ -55,6 +55,7 @@ Run integrated(const Study& study, const StudyRow& row, const Setting& si) {
   const bool scaled = row.units == "scaled";
   const double length = scaled ? si.length : 1, mass = scaled ? si.mass : 1, time = scaled ? si.time : 1;
   Setting setting = si;
+  setting.physics.bodies = study.bodies;
   setting.physics.integrator = row.integrator;
   setting.physics.accuracy = std::isnan(row.accuracy) ? kUnfixedAccuracy : row.accuracy;
   setting.physics.fixed_step = std::isnan(row.fixed_step) ? 0 : row.fixed_step;

@@ -26,7 +26,8 @@ struct Sweep {
 /// study = "integration": cases instead of a scene.
 struct Study {
   std::vector<Sweep> sweeps;
-  std::int64_t every = 1;  // of all cases only each so manieth is run, from the first
+  std::int64_t every = 1;  // 1: every case; 2: every second, from the first
+  BodyModel bodies = BodyModel::free;
   // Of each case:
   std::int64_t force_evaluations = 1000000;
   double processor_time = 60;  // s

@@ -100,10 +100,11 @@ void expand(const Sweep& sweep, const Add& add) {
 }  // namespace
 
 Study read_study(const Section& root) {
-  root.only({"title", "study", "every", "budget", "sweep"});
+  root.only({"title", "study", "every", "bodies", "budget", "sweep"});
   root.choice("study", "", {"integration"});
   Study study;
   study.every = root.integer("every", study.every, 1);
+  study.bodies = root.choice("bodies", "free", {"free", "tree"}) == "tree" ? BodyModel::tree : BodyModel::free;
   const Section budget = root.section("budget");
   budget.only({"force_evaluations", "processor_time", "energy_bound"});
   study.force_evaluations = budget.integer("force_evaluations", study.force_evaluations, 1);
@@ -132,6 +133,7 @@ Study read_study(const Section& root) {
 void write_study(const Study& study, TomlText& out) {
   out.line("study", std::string("integration"));
   out.line("every", study.every);
+  out.line("bodies", std::string(study.bodies == BodyModel::tree ? "tree" : "free"));
   out.table("[budget]");
   out.line("force_evaluations", study.force_evaluations);
   out.line("processor_time", study.processor_time);

@@ -112,6 +112,8 @@ TEST(ConfigErrors, RefusesWithPlaceRuleValueAndRemedy) {
       // Physics
       {physics + "integrator = \"rungekutamerson\"\n", "not \"rungekutamerson\"; did you mean 'RungeKuttaMerson'?"},
       {physics + "integrator = \"Euler1768\"\n", "a/f.toml:4:14: 'physics.integrator' must be \"RungeKuttaMerson\", "},
+      {physics + "bodies = \"fre\"\n",
+       "a/f.toml:4:10: 'physics.bodies' must be \"free\" or \"tree\", not \"fre\"; did you mean 'free'?"},
       {physics + "accuracy = 0\n", "a/f.toml:4:12: 'physics.accuracy' must be a number above 0 and below 1, not 0"},
       {physics + "accuracy = 1\n", "'physics.accuracy' must be a number above 0 and below 1, not 1"},
       {physics + "gravity = [0, inf, 0]\n", "a/f.toml:4:15: 'physics.gravity.1' must be a finite number, not inf"},

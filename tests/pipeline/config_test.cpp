@@ -131,6 +131,7 @@ void expect_same(const Config& a, const Config& b) {
   EXPECT_EQ(p.material.static_friction, q.material.static_friction);
   EXPECT_EQ(p.material.dynamic_friction, q.material.dynamic_friction);
   EXPECT_EQ(p.material.viscous_friction, q.material.viscous_friction);
+  EXPECT_EQ(p.bodies, q.bodies);
   EXPECT_EQ(p.material.transition_velocity, q.material.transition_velocity);
   EXPECT_EQ(p.step_budget, q.step_budget);
   EXPECT_EQ(p.time_budget, q.time_budget);
@@ -220,6 +221,7 @@ spacing = 1
 height = 0x10
 [[scene.set]]
 [physics]
+bodies = "tree"
 integrator = "Verlet"
 accuracy = 1e-9
 gravity = [0, 0, -1.62]
@@ -267,6 +269,7 @@ name = "obb_sat"
   EXPECT_EQ(falling_of(c).sets[0].corner, (std::array<double, 2>{-1.5, 4}));
   EXPECT_EQ(falling_of(c).sets[0].spacing, 1);
   EXPECT_EQ(falling_of(c).sets[0].height, 16);
+  EXPECT_EQ(c.physics.bodies, pipeline::BodyModel::tree);
   EXPECT_EQ(c.physics.integrator, "Verlet");
   EXPECT_EQ(c.physics.accuracy, 1e-9);
   EXPECT_EQ(c.physics.gravity, (std::array<double, 3>{0, 0, -1.62}));
@@ -422,6 +425,7 @@ TEST(Effective, ReadsBackAsTheSame) {
         "scene.set.1.corner=[" + real(-1e6, 1e6) + "," + real(-1e-5, 1e-5) + "]",
         "scene.set.0.spacing=" + real(1e-6, 1e6),
         "scene.set.1.height=" + real(-1e6, 1e6),
+        "physics.bodies=tree",
         "physics.accuracy=" + real(0, 1e-8),
         "physics.gravity=[" + real(-1, 1) + ",-0.0," + real(-1e300, 1e300) + "]",
         "physics.stiffness=" + real(0, 1e12),

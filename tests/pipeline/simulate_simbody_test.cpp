@@ -1,11 +1,15 @@
-// Our contact against Simbody's own CompliantContactSubsystem: the same accelerations from the same states.
+// Our contact against Simbody's own CompliantContactSubsystem: the same accelerations from the same states. What only
+// shows inside: neighbours kept from one evaluation to the next, and results kept in the state they belong to.
 // The only test that includes Simbody: C++17 with assertions (CMakeLists.txt).
 #include <Simbody.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "pipeline/physics/contact.hpp"
+#include "pipeline/physics/free_bodies.hpp"
 #include "pipeline/physics/simulate.hpp"
+#include "pipeline/physics/tree.hpp"
 
 namespace {
 
@@ -178,6 +182,88 @@ TEST_F(SimbodyContact, SphereOnPlateAcceleratesAsOnHalfSpace) {
     const auto ours = our_accelerations({plate, body}, law, {below, state});
     const auto theirs = simbody({body}, law, {state}, true).accelerations;
     expect_equal({ours[1]}, theirs, speed);
+  }
+}
+
+// ---- Inside
+
+// Spheres of all sizes and boxes, fixed and not, wander; each time all pairs are tried.
+TEST(Neighbours, KeptOnesAreThoseOfEveryPair) {
+  using namespace pipeline::contact;
+  constexpr unsigned kSeed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937 random(kSeed);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  std::vector<Sphere> spheres;
+  std::vector<Box> boxes;
+  std::vector<Kinematics> bodies(160);
+  for (int i = 0; i < 160; ++i) {
+    bodies[i].position = Vec3(uniform(-4, 4), uniform(-4, 4), uniform(-4, 4));
+    bodies[i].orientation.setRotationFromAngleAboutX(uniform(0, 6));
+    if (i % 40 == 0)
+      boxes.push_back({i, i % 80 == 0, Vec3(uniform(0.5, 2), uniform(0.5, 2), uniform(0.5, 2))});
+    else
+      spheres.push_back({i, i % 7 == 0, uniform(0.2, 1)});
+  }
+  Neighbours neighbours(spheres, boxes);
+  std::vector<Contact> found;
+  std::size_t most = 0, least = 1000;
+  for (int step = 0; step < 60; ++step) {
+    // Now and then all jump, as a step that is tried and rejected throws them.
+    const double length = step % 20 == 13 ? 3 : 0.03;
+    for (const Sphere& s : spheres)
+      if (!s.fixed) bodies[s.body].position += length * Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+    for (const Box& b : boxes)
+      if (!b.fixed) bodies[b.body].orientation.setRotationFromAngleAboutX(uniform(0, 6));
+    std::vector<Contact> expected;
+    Contact contact;
+    for (std::size_t i = 0; i < spheres.size(); ++i)
+      for (std::size_t j = i + 1; j < spheres.size(); ++j)
+        if (!(spheres[i].fixed && spheres[j].fixed) &&
+            touch(spheres[i], bodies[spheres[i].body], spheres[j], bodies[spheres[j].body], contact))
+          expected.push_back(contact);
+    for (const Box& b : boxes)
+      for (const Sphere& s : spheres)
+        if (!(b.fixed && s.fixed) && touch(b, bodies[b.body], s, bodies[s.body], contact)) expected.push_back(contact);
+    neighbours.find(bodies, found);
+    ASSERT_EQ(found.size(), expected.size()) << "step " << step;
+    for (std::size_t i = 0; i < found.size(); ++i)
+      ASSERT_TRUE(found[i].a == expected[i].a && found[i].b == expected[i].b && found[i].depth == expected[i].depth)
+          << "step " << step << " contact " << i;
+    most = std::max(most, found.size());
+    least = std::min(least, found.size());
+  }
+  EXPECT_GT(least, 50u);
+  EXPECT_GT(most, least);
+}
+
+// A ball that presses on a plate, and the same far above: asked for in turn, each state has its own depth.
+TEST(Mechanics, WhatAStateGaveStaysWithIt) {
+  RigidBody plate, ball;
+  plate.fixed = true;
+  plate.sphere = false;
+  plate.half_extents = {5, 1, 5};
+  ball.mass = 1000;
+  ball.inertia = 400;
+  std::vector<BodyState> low(2), high(2);
+  low[0].position = high[0].position = {0, -1, 0};
+  low[1].position = {0, 0.9, 0};
+  high[1].position = {0, 9, 0};
+  for (const auto& model : {pipeline::free_bodies, pipeline::multibody_tree}) {
+    pipeline::Watch watch;
+    Physics physics;
+    physics.balance.tracked = true;
+    const auto mechanics = model({plate, ball}, physics, low, watch);
+    const SimTK::State a = mechanics->start(low, 0), b = mechanics->start(high, 0);
+    mechanics->system().realize(a, SimTK::Stage::Acceleration);
+    mechanics->system().realize(b, SimTK::Stage::Acceleration);
+    EXPECT_NEAR(mechanics->loads(a).depth, 0.1, 1e-12);
+    EXPECT_EQ(mechanics->loads(b).depth, 0);
+    EXPECT_GT(mechanics->loads(a).outer_force[1], 0);
+    EXPECT_NEAR(mechanics->loads(b).outer_force[1], -9.81 * 1000, 1e-9);
+    EXPECT_EQ(watch.evaluations, 2);
   }
 }
 

@@ -5,12 +5,14 @@
 #include <bit>
 #include <chrono>
 #include <limits>
+#include <tuple>
 
 #include "tests/support/rigid.hpp"
 
 namespace {
 
 using namespace rigid;
+using pipeline::BodyModel;
 
 bool same_bits(const std::vector<BodyState>& a, const std::vector<BodyState>& b) {
   return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const BodyState& x, const BodyState& y) {
@@ -96,11 +98,18 @@ TEST(Simulate, BoxesPassThroughBoxes) {
 
 // ---- integrators, restarts, determinism
 
-class SimulateBy : public testing::TestWithParam<std::string> {};
+/// An integrator, of free bodies and of a multibody tree.
+class SimulateBy : public testing::TestWithParam<std::tuple<std::string, BodyModel>> {
+ protected:
+  static Physics chosen() {
+    Physics out;
+    std::tie(out.integrator, out.bodies) = GetParam();
+    return out;
+  }
+};
 
 TEST_P(SimulateBy, DroppedBallBouncesAndSettles) {
-  Physics physics;
-  physics.integrator = GetParam();
+  Physics physics = chosen();
   physics.accuracy = 1e-4;
   Simulation simulation({box({5, 1, 5}, true), ball()}, physics, {at({0, -1, 0}), at({0, 1.5, 0})}, 0);
   PhysicsSample sample;
@@ -125,8 +134,7 @@ TEST_P(SimulateBy, DroppedBallBouncesAndSettles) {
 // The caller looks at interpolated states; the steps are the same however often it looks.
 TEST_P(SimulateBy, LookingDoesNotChangeTheMotion) {
   const Heap heap;
-  Physics physics;
-  physics.integrator = GetParam();
+  Physics physics = chosen();
   Simulation once(heap.bodies, physics, heap.states, 0), often(heap.bodies, physics, heap.states, 0);
   advance(once, 0.25);
   for (int i = 1; i <= 32; ++i) advance(often, i / 128.);
@@ -135,8 +143,7 @@ TEST_P(SimulateBy, LookingDoesNotChangeTheMotion) {
 
 TEST_P(SimulateBy, RestartHasTheSameBits) {
   const Heap heap;
-  Physics physics;
-  physics.integrator = GetParam();
+  Physics physics = chosen();
   // A chain of restarts, run twice; the second time each link is built while others are alive and have run on.
   std::vector<std::vector<BodyState>> links{heap.states};
   double reference = 0;
@@ -155,8 +162,13 @@ TEST_P(SimulateBy, RestartHasTheSameBits) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Integrators, SimulateBy, testing::ValuesIn(pipeline::integrator_names()),
-                         [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(Integrators, SimulateBy,
+                         testing::Combine(testing::ValuesIn(pipeline::integrator_names()),
+                                          testing::Values(BodyModel::free, BodyModel::tree)),
+                         [](const auto& info) {
+                           const bool tree = std::get<1>(info.param) == BodyModel::tree;
+                           return std::get<0>(info.param) + (tree ? "_tree" : "_free");
+                         });
 
 TEST(Simulate, RestartBeginsAtTheGivenStates) {
   const Heap heap;
@@ -252,8 +264,7 @@ TEST(Simulate, EnergyBoundEndsTheRun) {
 
 // Forces overflow at once: infinities in the state must end as text, in every integrator, not as NaN rows or an abort.
 TEST_P(SimulateBy, OverflowEndsAsText) {
-  Physics physics;
-  physics.integrator = GetParam();
+  Physics physics = chosen();
   physics.material.stiffness = 1e308;
   physics.step_budget = 1000;
   Simulation simulation({box({5, 1, 5}, true), ball()}, physics, {at({0, -1, 0}), at({0, 0.5, 0})}, 0);

@@ -89,8 +89,9 @@ TEST(StudyConfig, EveryNthCaseIsKeptFromTheFirst) {
 
 TEST(StudyConfig, TheEffectiveTextGivesTheSameCases) {
   const Config config = study("[[sweep]]\nproblem = \"drop\"\nradius = [0.5, 1]\n[[sweep]]\nproblem = \"top\"\n",
-                              "title = \"T\"\nevery = 3\n");
+                              "title = \"T\"\nevery = 3\nbodies = \"tree\"\n");
   const Config again = parse_config(config.effective, "again.toml");
+  EXPECT_EQ(again.study->bodies, pipeline::BodyModel::tree);
   EXPECT_EQ(again.effective, config.effective);
   EXPECT_EQ(again.title, "T");
   const auto a = study_cases(*config.study), b = study_cases(*again.study);
@@ -145,6 +146,7 @@ TEST(StudyConfig, RefusesWhatMakesNoSense) {
     says(head + "[[sweep]]\nproblem = \"pendulum\"\n" + twice + "\n", "name each but once");
   for (const std::string still : {"free_flight", "bounce", "damped_bounce", "two_balls", "thin_plate"})
     says(head + "[[sweep]]\nproblem = \"" + still + "\"\nspeed = 0\n", "must be a number above 0");
+  says(head + "bodies = \"trees\"\n[[sweep]]\nproblem = \"top\"\n", "'bodies' must be \"free\" or \"tree\"");
   says(head + "every = 0\n[[sweep]]\nproblem = \"top\"\n", "every");
 }
 
