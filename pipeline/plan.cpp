@@ -32,9 +32,9 @@ using Json = nlohmann::ordered_json;
 constexpr double kMiB = 1 << 20;
 constexpr double kProgram = 24 * kMiB, kHdf5 = 8 * kMiB;  // program and libraries; more of them once HDF5 writes
 constexpr double kImage = 16 * kMiB;                      // HDF5's file in memory grows by so much at a time
-constexpr double kFreeBody = 4 * 1024;  // in integration, a body; in a multibody tree
+constexpr double kFreeBody = 4 * 1024;                    // in integration, a body; in a multibody tree
 constexpr double kTreeBody = 16 * 1024;
-constexpr double kGrown = 1.5;                            // a vector that grew, on average
+constexpr double kGrown = 1.5;  // a vector that grew, on average
 
 constexpr double kObject = 1900;                // a group or dataset with its attributes
 constexpr double kName = 150;                   // a body's names

@@ -10,7 +10,7 @@
 #include "pipeline/config.hpp"
 #include "pipeline/study/reference.hpp"
 #include "pipeline/study/study.hpp"
-#include "tests/rigid.hpp"
+#include "tests/support/rigid.hpp"
 
 namespace {
 
