@@ -134,6 +134,8 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   // On every thread the world vertices (24 bytes) and boxes (48 bytes, up to four a vertex) of all bodies.
   if (config.gap_margin) deciding += std::min(double(threads), chunks) * (24 + 4 * 48) * double(size.body_vertices);
 
+  // Gaps, about a pair a body with its two reals, are there twice while the chunks are joined.
+  if (config.gap_margin) result += 2 * kGrown * (sizeof(geometry::Pair) + 2 * sizeof(double)) * poses.moving;
   result += labels * steps * 80 + kGrown * sizeof(geometry::Pair) * poses.moving * labels;
   double held = 0, methods = 0;  // set up one after another; of extremes one is there at a time
   for (const LabelPlan& label : plan.labels) {

@@ -1,5 +1,7 @@
 #include "pipeline/run.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -107,6 +109,10 @@ void refuse_own_input(const Config& config, const fs::path& output) {
       throw Error(kFile, output.string() + ": is read by this run; choose another -o");
 }
 
+/// What a stage freed goes back to the kernel: the next one has other sizes, and their peaks would add up, since what
+/// integrators free is kept while they run (pipeline/physics/simulate.cpp).
+void give_back() { malloc_trim(0); }
+
 }  // namespace
 
 fs::path output_path(const Config& config, const RunOptions& options) {
@@ -170,11 +176,13 @@ Result run(const Config& config, const RunOptions& options) {
     }
   }
   looks.reset();
+  give_back();
   result.bodies = std::move(scene.bodies);
   {
     Progress progress("truth", steps, options.quiet, &forecast);
     result.truth = decide(result.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);
   }
+  give_back();
   if (!scene.case_sets.empty()) {
     Progress progress("cases", steps, options.quiet, &forecast, "case");
     result.extremes.emplace().rows =
@@ -183,6 +191,7 @@ Result run(const Config& config, const RunOptions& options) {
   ExtremesDetected found =
       answered(result, scene.case_sets, config.algorithms, config.repeats, &part, options.quiet, forecast);
   result.answers = std::move(found.answers);
+  give_back();
   if (result.extremes) result.extremes->answers = std::move(found.cases);
   if (!scene.passes.empty()) {
     Progress progress("passes", scene.passes.size() * (1 + result.answers.size()), options.quiet, &forecast, "pass");
