@@ -50,10 +50,6 @@ def main(arguments=None):
     return 0
 
 
-def say(text):
-    print(visible(text))
-
-
 def complain(text):
     print(visible(" ".join(str(text).split())), file=sys.stderr)
 

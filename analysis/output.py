@@ -19,9 +19,9 @@ def open_standard_descriptors():
 
 
 def say(text):
-    """Prints a result. Raises OSError when it is lost."""
+    """Prints a result, made visible. Raises OSError when it is lost."""
     try:
-        print(text, flush=True)
+        print(visible(text), flush=True)
     except OSError as error:
         sys.stdout = None  # or the interpreter tries again at its end
         raise OSError(f"stdout: cannot be written ({error.strerror})") from error

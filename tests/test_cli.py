@@ -98,7 +98,7 @@ def test_version_and_help_everywhere():
 
 
 def test_nothing_but_errors_on_stderr_when_it_is_no_terminal(tmp_path):
-    assert pipeline("run", SMOKE, "-o", tmp_path / "x.h5", "--set", "steps=3").stderr == ""
+    assert pipeline("run", SMOKE, "-o", tmp_path / "x.h5").stderr == ""
 
 
 @pytest.mark.parametrize("config", sorted((ROOT / "configs").glob("*.toml")), ids=lambda path: path.stem)
@@ -373,7 +373,7 @@ def test_digests_of_groups_are_behind_an_option(smoke, tmp_path):
     every = set(json.loads(pipeline("show", copy, "--json").stdout)["digests"])
     assert {"/", "/motion", "/answers/obb_sat"} < every
     for arguments in (["show", copy], ["detect", copy, "--force", "--quiet"],
-                      ["run", SMOKE, "--set", "steps=3", "-o", tmp_path / "x.h5", "--quiet"]):
+                      ["run", SMOKE, "-o", tmp_path / "x.h5", "--quiet"]):
         run = pipeline(*arguments)
         assert re.findall(r"^digest +\w{32}  (.*)$", run.stdout, re.M) == ["/"], run.stdout
         assert "bounding_sphere" in run.stdout and run.stderr == ""  # --quiet leaves the result
@@ -396,7 +396,7 @@ def test_a_seed_gives_other_runs_with_jitter_and_is_refused_without(smoke, tmp_p
     assert list(tmp_path.iterdir()) == []
     motion = {}
     for name, sets in {"a": ["seed=1"], "b": ["seed=2"], "again": ["seed=2"]}.items():
-        run = pipeline("run", SMOKE, "-o", tmp_path / name, "--set", "steps=3", "--set", "scene.jitter=0.01", "--set", *sets)
+        run = pipeline("run", SMOKE, "-o", tmp_path / name, "--set", "scene.jitter=0.01", "--set", *sets)
         assert run.returncode == DONE and run.stderr == "", run.stderr
         motion[name] = motion_of(tmp_path / name)
     assert motion["a"] != motion["b"] == motion["again"]

@@ -178,7 +178,7 @@ def test_a_false_containment_is_found(changed, example):
     other = next((a, b) for a in range(2) for b in range(a + 1, 4) if (a, b) not in listed + meeting)
     path = changed(example, replace_pair(step, 0, other, "contained_"))
     found = verified(path, "--all", code=FAILED)["difference"]
-    assert found["step"] == step and "contained" in (found["truth"], found["oracle"])
+    assert found["step"] == step and any(said.startswith("contained") for said in (found["truth"], found["oracle"]))
 
 
 def test_a_listed_pair_of_fixed_bodies_is_none(changed, example):

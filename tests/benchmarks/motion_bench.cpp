@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/simulate.hpp"
+#include "pipeline/physics/simulate.hpp"
 
 namespace {
 
