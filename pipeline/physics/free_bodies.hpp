@@ -1,6 +1,6 @@
 // Rigid bodies that nothing joins, without a multibody tree: each has its own equations of Newton and Euler, so that
 // one evaluation costs little more than finding the contacts. The proofs that it moves as the tree does are in
-// tests/pipeline_free_bodies_test.cpp.
+// tests/pipeline/free_bodies_test.cpp.
 #pragma once
 #include <memory>
 

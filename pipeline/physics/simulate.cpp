@@ -126,15 +126,13 @@ void check(const std::vector<RigidBody>& bodies, const Physics& physics, const s
   require(any_moves, "no body moves");
 }
 
-/// An integrator makes and frees vectors of the length of the state all the time. From 128 KiB on (1,260 bodies) glibc
-/// would fetch them from the kernel page by page and give them back each time: a third of all the time.
-void keep_freed_memory() {
-  static const bool once = [] {
-    mallopt(M_MMAP_THRESHOLD, 32 << 20);
-    mallopt(M_TRIM_THRESHOLD, 128 << 20);
-    return true;
-  }();
-  static_cast<void>(once);
+/// An integrator makes and frees vectors of the length of the state all the time. From glibc's threshold on it would
+/// fetch them from the kernel page by page and give them back each time: a third of all the time.
+void keep_freed_memory(int state_bytes) {
+  constexpr int kThreshold = 128 << 10, kMost = 32 << 20;  // bytes
+  if (state_bytes < kThreshold) return;
+  mallopt(M_MMAP_THRESHOLD, std::min(2 * state_bytes, kMost));
+  mallopt(M_TRIM_THRESHOLD, std::min(64 * static_cast<std::int64_t>(state_bytes), std::int64_t{1} << 30));
 }
 
 std::unique_ptr<Mechanics> mechanics_of(const std::vector<RigidBody>& bodies, const Physics& physics,
@@ -162,13 +160,13 @@ struct Simulation::Implementation {
                  double time, double reference)
       : physics(physics_in), initial(states) {
     check(bodies, physics, states, time);
-    keep_freed_memory();
     const Vec3 gravity = vec3(physics.gravity);
     isolated = gravity == Vec3(0) && physics.linear_damping == 0 && physics.angular_damping == 0;
     for (const RigidBody& body : bodies) isolated = isolated && !body.fixed && !body.hung;
     mechanics = mechanics_of(bodies, physics, states, watch);
     integrator = make_integrator(mechanics->system(), physics);
     integrator->initialize(mechanics->start(states, time));
+    keep_freed_memory(integrator->getState().getNY() * static_cast<int>(sizeof(double)));
 
     reference_energy = reference;
     if (!(reference > 0)) {
