@@ -232,7 +232,7 @@ std::vector<Ahead> ahead(const Config& config) {
 }
 
 /// All spheres are born, and what was born flies.
-void hurry(const Config& config, std::vector<BodyState>& states) {
+void hurry(const Config& config, std::vector<BodyState>& states, bool /*pressed*/) {
   const BoxScene& box = box_of(config);
   for (std::int64_t i = 0; i < born_by(box, config.steps - 1); ++i) {
     BodyState& state = states[kPlates + std::size_t(i)];
