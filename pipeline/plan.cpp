@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 // greater numbers than one a body, make more of it.
 
 constexpr double kMiB = 1 << 20;
-constexpr double kProgram = 24 * kMiB, kHdf5 = 8 * kMiB;  // program and libraries; more of them once HDF5 writes
+constexpr double kProgram = 28 * kMiB, kHdf5 = 8 * kMiB;  // program and libraries; more of them once HDF5 writes
 constexpr double kImage = 16 * kMiB;                      // HDF5's file in memory grows by so much at a time
 constexpr double kFreeBody = 4 * 1024;                    // in integration, a body; in a multibody tree
 constexpr double kTreeBody = 16 * 1024;
@@ -147,11 +147,13 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   methods +=
       2 * std::min(steps, double(kChunkSteps)) / steps * labels * (sizeof(geometry::Pair) * poses.moving + 80 * steps);
 
-  // The motion is laid out first: both forms of it twice. Then the columns, the image of the file and its copy.
+  // The motion is laid out first: both forms of it twice. Then the columns, the image of the file and its copy; at the
+  // end the file is read back.
   const double columns = labels * steps * 88 + (plan.case_sets ? steps * (100 + 3 * labels) : 0);
   const double laying = result + kHdf5 + 2 * motion;
   const double file = double(plan.file_bytes);
-  const double writing = result + kHdf5 + motion + columns + kImage * std::ceil(file / kImage + 0.01) + file;
+  const double writing =
+      result + kHdf5 + motion + columns + kImage * std::ceil(file / kImage + 0.01) + 2 * file + motion;
   return std::max({integrating, deciding, result + methods, laying, writing});
 }
 
@@ -285,7 +287,9 @@ void refuse_if_too_large(const Plan& plan, const std::filesystem::path& output) 
 }
 
 std::string plan_text(const Config& config, const Plan& plan, const Seconds& time, const std::string& output) {
-  const std::string takes = "takes       about " + duration_text(time.least) + " to " + duration_text(time.most) +
+  const std::string takes = "takes       " +
+                            (time.most < 1 ? "less than a second"
+                                           : "about " + duration_text(time.least) + " to " + duration_text(time.most)) +
                             ", " + bytes_text(plan.memory_bytes) + " of memory\n";
   if (config.study) {
     const Study& study = *config.study;

@@ -21,7 +21,7 @@ using geometry::Pose;
 // Recorded rates, of a machine of 2020; a trial of what they stand for would take as long as the thing itself.
 constexpr std::uint64_t kLarge = 64 << 20;  // bytes; a method that takes more is not made for a trial
 constexpr double kSetUp = 2e-9;             // s a byte of what it takes at most: facets cut, trees built
-constexpr double kAnswer = 0.5e-9;          // s a byte of what it holds, a pass over a step
+constexpr double kAnswer = 0.1e-9;          // s a byte of what it holds, a pass over a step
 constexpr double kStore = 12e-9;            // s a byte of the result: digest, shuffle, deflate
 constexpr double kCaseSet = 25e-6;          // s an algorithm and step of extremes
 constexpr double kEvaluation = 2.5e-6;      // s of a study's case for every evaluation of its budget
@@ -206,14 +206,17 @@ std::vector<Stage> foreseen_stages(const Config& config, const Scene& scene, con
   std::vector<Stage> out;
   std::vector<StepSeconds> cost;
   if (config.scene_kind->integrated) {
-    const auto try_states = [&](bool hurried) {
-      std::vector<BodyState> states = scene.states;
-      if (config.scene_kind->events) config.scene_kind->events(config, 0, states);
-      if (hurried && config.scene_kind->hurry) config.scene_kind->hurry(config, states);
-      return try_motion(config, scene, std::move(states), seconds / 4);
+    const auto states = [&](bool hurried, bool pressed) {
+      std::vector<BodyState> out = scene.states;
+      if (config.scene_kind->events) config.scene_kind->events(config, 0, out);
+      if (hurried && config.scene_kind->hurry) config.scene_kind->hurry(config, out, pressed);
+      return out;
     };
-    const MotionTrial early = try_states(false), late = try_states(true);
-    const StepSeconds first = asked.step(early.poses), last = asked.step(late.poses);
+    const MotionTrial early = try_motion(config, scene, states(false, false), seconds / 4),
+                      late = try_motion(config, scene, states(true, false), seconds / 4);
+    std::vector<Pose> pressed;
+    for (const BodyState& state : states(true, true)) pressed.push_back(pose_of(state));
+    const StepSeconds first = asked.step(early.poses), last = asked.step(pressed);
     const std::vector<double> moving = lively_shares(config);
     const double restarts = plan.restarts / double(steps);
     out.push_back(stage("motion", steps, 0, [&](std::int64_t s) {

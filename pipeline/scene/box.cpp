@@ -233,7 +233,7 @@ std::vector<Ahead> ahead(const SceneConfig& config) {
 }
 
 /// All spheres are born, and what was born flies.
-void hurry(const SceneConfig& config, std::vector<BodyState>& states) {
+void hurry(const SceneConfig& config, std::vector<BodyState>& states, bool /*pressed*/) {
   const BoxScene& box = box_of(config);
   for (std::int64_t i = 0; i < born_by(box, config.steps - 1); ++i) {
     BodyState& state = states[kPlates + std::size_t(i)];

@@ -171,8 +171,8 @@ std::vector<Ahead> ahead(const SceneConfig& config) {
   return out;
 }
 
-/// Every set has just landed and is pressed together: near pairs that do not meet cost the most.
-void hurry(const SceneConfig& config, std::vector<BodyState>& states) {
+/// Every set has just landed; pressed together, near pairs that do not meet cost answers the most.
+void hurry(const SceneConfig& config, std::vector<BodyState>& states, bool pressed) {
   constexpr double kPressed = 2.02;  // radii from middle to middle
   const FallingScene& falling = std::get<FallingScene>(config.scene);
   const double gravity = -config.physics.gravity[1];
@@ -180,7 +180,8 @@ void hurry(const SceneConfig& config, std::vector<BodyState>& states) {
   for (const FallingSet& set : falling.sets) {
     body += std::size_t(set.lying[0] * set.lying[1]);
     const std::array<double, 3> from{set.corner[0] + falling.shift, set.height, set.corner[1] + falling.shift};
-    const double metres = drop(falling, set), closer = std::min(1.0, kPressed * falling.radius / set.spacing);
+    const double metres = drop(falling, set),
+                 closer = pressed ? std::min(1.0, kPressed * falling.radius / set.spacing) : 1;
     const std::size_t end = body + std::size_t(set.above[0] * set.above[1] * set.above[2]);
     for (; body < end; ++body) {
       if (!(metres > 0 && gravity > 0)) continue;

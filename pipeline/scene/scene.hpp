@@ -84,8 +84,9 @@ struct SceneKind {
   /// What is known beforehand, whatever the steps of the configuration; null: nothing is.
   std::vector<Ahead> (*ahead)(const SceneConfig& config) = nullptr;
   /// Of integrated scenes: changes the initial states, after the events of step 0, to such as there are when all of
-  /// `ahead` has happened. A guess, of which only times are foretold. Null: they are like the first.
-  void (*hurry)(const SceneConfig& config, std::vector<BodyState>& states) = nullptr;
+  /// `ahead` has happened; `pressed`: to where bodies are as near each other as they ever come. A guess, of which only
+  /// times are foretold. Null: they are like the first.
+  void (*hurry)(const SceneConfig& config, std::vector<BodyState>& states, bool pressed) = nullptr;
   /// Reads the files that the scene names, once, and what follows from them into `config`; null: it names none.
   void (*complete)(SceneConfig& config) = nullptr;
 };
