@@ -6,8 +6,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "algorithms/pairwise.hpp"
-#include "geometry/kernel.hpp"
+#include "algorithms/contract/pairwise.hpp"
+#include "geometry/processor_clones.hpp"
 
 namespace algorithms {
 namespace {

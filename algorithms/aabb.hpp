@@ -7,7 +7,7 @@
 //
 // The boxes hold the very doubles that truth is defined by (geometry::to_world), so even rounding makes no miss.
 #pragma once
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 
 namespace algorithms {
 

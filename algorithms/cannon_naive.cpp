@@ -1,7 +1,7 @@
 #include "algorithms/cannon_naive.hpp"
 
-#include "algorithms/pairwise.hpp"
-#include "geometry/spheres.hpp"
+#include "algorithms/contract/pairwise.hpp"
+#include "algorithms/parts/spheres.hpp"
 
 namespace algorithms {
 namespace {

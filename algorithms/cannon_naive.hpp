@@ -6,9 +6,9 @@
 // Extra   Everything inside the spheres and outside the meshes.
 //
 // Three phases: pairs by the broad phase, a filter that drops two fixed bodies, and the test of bounding spheres
-// (geometry/spheres.hpp).
+// (algorithms/parts/spheres.hpp).
 #pragma once
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 
 namespace algorithms {
 

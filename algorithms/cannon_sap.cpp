@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "algorithms/pairwise.hpp"
-#include "geometry/spheres.hpp"
+#include "algorithms/contract/pairwise.hpp"
+#include "algorithms/parts/spheres.hpp"
 
 namespace algorithms {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "geometry/contain.hpp"
-#include "geometry/meet.hpp"
+#include "geometry/decision/contain.hpp"
+#include "geometry/decision/meet.hpp"
 
 namespace algorithms {
 namespace {

@@ -1,8 +1,8 @@
-// What exact and exact_cold share: a Method over the decision that the truth is made by (geometry/meet.hpp).
+// What exact and exact_cold share: a Method over the decision that the truth is made by (geometry/decision/meet.hpp).
 #pragma once
 #include <string_view>
 
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 
 namespace algorithms {
 

@@ -1,6 +1,6 @@
 // exact: the answer by which the others are judged, as an algorithm with a time of its own. Remembers the step before.
 //
-// Source  geometry/meet.hpp, the decision of the truth stage.
+// Source  geometry/decision/meet.hpp, the decision of the truth stage.
 // Cost    A sweep of the bodies' boxes; per near pair, where the step before still tells, the triangles that met or the
 //         direction that parted the bodies; else a descent of two hierarchies. One set of hierarchies per distinct
 //         mesh.
@@ -12,7 +12,7 @@
 // truth.containment = "meet", else false. Given, it holds beside "meet" with true, beside "ignore" with false; beside
 // "record" both are right.
 #pragma once
-#include "algorithms/algorithm.hpp"
+#include "algorithms/contract/algorithm.hpp"
 
 namespace algorithms {
 

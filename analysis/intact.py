@@ -3,10 +3,10 @@
 A result may be anybody's and anything may have happened to it. In this order:
 
     it is a regular file, opened without waiting
-    its seal holds: the checksum in its last line, over every byte before it (pipeline/seal.hpp)
+    its seal holds: the checksum in its last line, over every byte before it (pipeline/result/seal.hpp)
     a child process reads all of it first: HDF5 1.10.8 crashes, loops or asks for all memory on some damaged files
     its links stay within it, its datasets are stored in it and no larger than what is stored can give
-    its digests hold, of every group and of the whole (pipeline/digest.hpp), and its attributes are of their kinds
+    its digests hold, of every group and of the whole (pipeline/result/digest.hpp), and its attributes are of their kinds
 
 The seal is no signature: whoever changes a file on purpose can make another.
 """
@@ -269,7 +269,7 @@ def _text(value):
 
 
 def record(path, values):
-    """What a dataset of these values is to a digest, as bytes (pipeline/digest.hpp)."""
+    """What a dataset of these values is to a digest, as bytes (pipeline/result/digest.hpp)."""
     values = np.asarray(values)
     is_text = values.dtype == object
     kind = "text" if is_text else values.dtype.str.lstrip("<|")

@@ -17,12 +17,13 @@ inline constexpr double kClosedWithin = 0x1p-20;
 
 /// Everything about the bodies that does not change from step to step. Columns have one entry per body.
 struct Bodies {
-  std::vector<Mesh> meshes;              // distinct meshes, shared by bodies
-  std::vector<std::string> name;         // unique
-  std::vector<std::uint32_t> mesh;       // index into `meshes`
-  std::vector<std::uint8_t> fixed;       // 1: never moves
-  std::vector<std::uint8_t> chosen;      // empty: all pairs count; else a pair counts when one of its bodies has 1 here
-  double closed_within = kClosedWithin;  // of a mesh's size: corners that count as one (geometry/contain.hpp); 0: none
+  std::vector<Mesh> meshes;          // distinct meshes, shared by bodies
+  std::vector<std::string> name;     // unique
+  std::vector<std::uint32_t> mesh;   // index into `meshes`
+  std::vector<std::uint8_t> fixed;   // 1: never moves
+  std::vector<std::uint8_t> chosen;  // empty: all pairs count; else a pair counts when one of its bodies has 1 here
+  double closed_within =
+      kClosedWithin;  // of a mesh's size: corners that count as one (geometry/decision/contain.hpp); 0: none
 
   std::size_t size() const { return mesh.size(); }
   const Mesh& mesh_of(std::uint32_t body) const { return meshes[mesh[body]]; }
@@ -34,7 +35,7 @@ struct Pair {
   auto operator<=>(const Pair&) const = default;
 };
 
-/// A pair of which one body lies wholly inside the other (geometry/contain.hpp).
+/// A pair of which one body lies wholly inside the other (geometry/decision/contain.hpp).
 struct Contained {
   Pair pair;
   std::uint32_t inside = 0;  // the body that is: one of the two

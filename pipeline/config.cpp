@@ -8,13 +8,12 @@
 #include <cmath>
 #include <set>
 
-#include "pipeline/document.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/file_bytes.hpp"
-#include "pipeline/scene.hpp"
-#include "pipeline/study.hpp"
-#include "pipeline/truth.hpp"
-#include "pipeline/words.hpp"
+#include "pipeline/scene/document.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/study/study.hpp"
+#include "pipeline/system/file_bytes.hpp"
+#include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/words.hpp"
 
 namespace pipeline {
 namespace {
@@ -158,6 +157,10 @@ std::vector<AlgorithmChoice> algorithm_choices(const Section& root, Containment 
 std::string effective(const Config& c) {
   TomlText out;
   out.line("title", c.title);
+  if (c.study) {
+    write_study(*c.study, out);
+    return out.text;
+  }
   out.line("seed", c.seed);
   out.line("steps", c.steps);
   out.line("rate", c.rate);
@@ -224,13 +227,6 @@ std::string bytes_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-bool valid_label(std::string_view label) {
-  constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.+-";
-  // A label names a group of the file and a folder of the run: "." and ".." mean something else there.
-  return !label.empty() && label.size() <= 64 && label.find_first_not_of(kAllowed) == std::string_view::npos &&
-         label != "." && label != "..";
-}
-
 Config parse_config(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets) {
   const std::string file = one_line(path.string(), 4096);
   if (text.size() > kMostBytes) throw Error(kInput, file + ": a configuration must be at most 16 MiB long, not more");
@@ -238,12 +234,16 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   for (const std::string& set : sets) document.set(set);
 
   const Section root(document);
-  if (root.has("study")) return study_config(root, text, path, title(root, one_line(path.stem().string(), kMostTitle)));
-  root.only({"title", "seed", "steps", "rate", "scene", "physics", "truth", "timing", "algorithm"});
   Config config;
   config.path = path;
   config.text = text;
   config.title = title(root, one_line(path.stem().string(), kMostTitle));
+  if (root.has("study")) {
+    config.study = read_study(root);
+    config.effective = effective(config);
+    return config;
+  }
+  root.only({"title", "seed", "steps", "rate", "scene", "physics", "truth", "timing", "algorithm"});
   config.seed = root.integer("seed", config.seed, 0);
   if (root.has("seed")) config.seed_place = root.place("seed");
   config.steps = root.integer("steps", config.steps, 1, kMostSteps);
@@ -306,15 +306,6 @@ AlgorithmChoice parse_algorithm(const std::string& argument, Containment contain
   }
   const Document document(texts, knobs, place);
   return algorithm_choice(Section(document), containment);
-}
-
-std::string knobs_json(const algorithms::Knobs& knobs) {
-  std::string out = "{";
-  for (const auto& [knob, value] : knobs) {
-    if (out.size() > 1) out += ',';
-    out += in_quotes(knob) + ':' + value_text(value);
-  }
-  return out + '}';
 }
 
 }  // namespace pipeline

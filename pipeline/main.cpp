@@ -1,5 +1,5 @@
-#include "pipeline/cli.hpp"
-#include "pipeline/file_bytes.hpp"
+#include "pipeline/commands/cli.hpp"
+#include "pipeline/system/file_bytes.hpp"
 
 int main(int argc, char** argv) {
   pipeline::open_standard_descriptors();

@@ -5,27 +5,23 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "geometry/bvh.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/part.hpp"
-#include "pipeline/passes.hpp"
-#include "pipeline/print.hpp"
-#include "pipeline/provenance.hpp"
-#include "pipeline/scene.hpp"
-#include "pipeline/study.hpp"
-#include "pipeline/threads.hpp"
+#include "geometry/decision/bvh.hpp"
+#include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/provenance.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/passes.hpp"
+#include "pipeline/stages/truth.hpp"
+#include "pipeline/study/study.hpp"
+#include "pipeline/system/threads.hpp"
+#include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/print.hpp"
+#include "pipeline/terminal/words.hpp"
 #include "pipeline/trial.hpp"
-#include "pipeline/truth.hpp"
 
 namespace pipeline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string mebibytes_text(std::uint64_t bytes) {
-  return bytes < (1u << 30) ? print("%.1f MiB", double(bytes) / (1 << 20))
-                            : print("%.1f GiB", double(bytes) / (1 << 30));
-}
 
 // ---- What runs were measured to take --------------------------------------------------------------------------------
 //
@@ -219,10 +215,6 @@ void add_bytes(const Config& config, const SceneSize& size, const Poses& poses, 
 }
 
 }  // namespace
-
-std::string bytes_text(std::uint64_t bytes) {
-  return bytes < (1u << 20) ? print("%.0f KiB", double(bytes) / 1024) : mebibytes_text(bytes);
-}
 
 Plan plan(const Config& config) {
   if (config.study) {

@@ -42,8 +42,6 @@ Plan plan(const Config& config);
 /// Throws Error(kInput) when the plan does not fit this machine's memory or the disk at `output`.
 void refuse_if_too_large(const Plan& plan, const std::filesystem::path& output);
 
-std::string bytes_text(std::uint64_t bytes);
-
 /// `time` is what a run would take.
 std::string plan_text(const Config& config, const Plan& plan, const Seconds& time, const std::string& output);
 std::string plan_json(const Config& config, const Plan& plan, const Seconds& time, const std::string& output);

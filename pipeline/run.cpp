@@ -6,22 +6,22 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "pipeline/detect.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/extremes.hpp"
-#include "pipeline/motion.hpp"
-#include "pipeline/part.hpp"
-#include "pipeline/passes.hpp"
 #include "pipeline/plan.hpp"
-#include "pipeline/progress.hpp"
-#include "pipeline/provenance.hpp"
-#include "pipeline/scene.hpp"
-#include "pipeline/score.hpp"
-#include "pipeline/store.hpp"
-#include "pipeline/study.hpp"
-#include "pipeline/threads.hpp"
+#include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/provenance.hpp"
+#include "pipeline/result/store.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/detect.hpp"
+#include "pipeline/stages/extremes.hpp"
+#include "pipeline/stages/motion.hpp"
+#include "pipeline/stages/passes.hpp"
+#include "pipeline/stages/summary.hpp"
+#include "pipeline/stages/truth.hpp"
+#include "pipeline/study/study.hpp"
+#include "pipeline/system/threads.hpp"
+#include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/progress.hpp"
 #include "pipeline/trial.hpp"
-#include "pipeline/truth.hpp"
 
 namespace pipeline {
 namespace fs = std::filesystem;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pipeline/config.hpp"
-#include "pipeline/result.hpp"
+#include "pipeline/result/result.hpp"
 
 namespace pipeline {
 

@@ -6,11 +6,11 @@
 #include <numeric>
 #include <optional>
 
-#include "geometry/meet.hpp"
-#include "pipeline/detect.hpp"
-#include "pipeline/motion.hpp"
-#include "pipeline/print.hpp"
-#include "pipeline/threads.hpp"
+#include "geometry/decision/meet.hpp"
+#include "pipeline/stages/detect.hpp"
+#include "pipeline/stages/motion.hpp"
+#include "pipeline/system/threads.hpp"
+#include "pipeline/terminal/print.hpp"
 
 namespace pipeline {
 namespace {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "pipeline/config.hpp"
-#include "pipeline/forecast.hpp"
 #include "pipeline/plan.hpp"
-#include "pipeline/scene.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/terminal/forecast.hpp"
 
 namespace pipeline {
 

@@ -1,6 +1,6 @@
 """Changes a result as somebody with h5py would, and makes of it one that its readers take: digests and seal renewed.
 
-Digests and seal are made from their definitions alone (pipeline/digest.hpp, pipeline/seal.hpp).
+Digests and seal are made from their definitions alone (pipeline/result/digest.hpp, pipeline/result/seal.hpp).
 """
 import contextlib
 import struct

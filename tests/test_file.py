@@ -314,7 +314,7 @@ def test_load_refuses_the_files_of_others(tmp_path):
         load(tmp_path / "other.h5")
 
 
-# The seal, which other readers do not see (pipeline/seal.hpp).
+# The seal, which other readers do not see (pipeline/result/seal.hpp).
 
 
 def test_the_last_line_is_the_checksum_of_all_before_it(result_file):

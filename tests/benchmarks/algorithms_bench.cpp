@@ -11,11 +11,11 @@
 #include <memory>
 #include <random>
 
-#include "algorithms/algorithm.hpp"
-#include "geometry/exact.hpp"
-#include "geometry/shapes.hpp"
-#include "geometry/triangle.hpp"
-#include "pipeline/store.hpp"
+#include "algorithms/contract/algorithm.hpp"
+#include "algorithms/parts/eleven_axes.hpp"
+#include "geometry/decision/exact.hpp"
+#include "geometry/meshes/shapes.hpp"
+#include "pipeline/result/store.hpp"
 
 namespace {
 

@@ -31,11 +31,11 @@
 #include <utility>
 #include <vector>
 
-#include "algorithms/algorithm.hpp"
-#include "geometry/shapes.hpp"
-#include "pipeline/error.hpp"
-#include "pipeline/part.hpp"
-#include "pipeline/store.hpp"
+#include "algorithms/contract/algorithm.hpp"
+#include "geometry/meshes/shapes.hpp"
+#include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/store.hpp"
+#include "pipeline/terminal/error.hpp"
 
 namespace {
 

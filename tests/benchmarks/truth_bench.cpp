@@ -18,10 +18,10 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/broad_phase.hpp"
-#include "geometry/meet.hpp"
-#include "geometry/shapes.hpp"
-#include "pipeline/store.hpp"
+#include "geometry/decision/broad_phase.hpp"
+#include "geometry/decision/meet.hpp"
+#include "geometry/meshes/shapes.hpp"
+#include "pipeline/result/store.hpp"
 
 namespace {
 

@@ -1,0 +1,119 @@
+#include "pipeline/commands/list.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "algorithms/contract/algorithm.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/study/problem.hpp"
+#include "pipeline/terminal/print.hpp"
+#include "pipeline/terminal/words.hpp"
+
+namespace pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json value_json(const algorithms::Value& value) {
+  return std::visit([](const auto& v) { return Json(v); }, value);
+}
+
+const char* type_name(const algorithms::Value& value) {
+  constexpr const char* kNames[] = {"boolean", "integer", "real", "text"};
+  return kNames[value.index()];
+}
+
+std::string range_text(const algorithms::Knob& knob) {
+  if (!knob.choices.empty()) {
+    std::string text;
+    for (const std::string& choice : knob.choices) text += (text.empty() ? "" : " | ") + choice;
+    return text;
+  }
+  std::string text;
+  if (std::isfinite(knob.least) && std::isfinite(knob.most))
+    text = print("%.15g to %.15g", knob.least, knob.most);
+  else if (std::isfinite(knob.least))
+    text = print("at least %.15g", knob.least);
+  else if (std::isfinite(knob.most))
+    text = print("at most %.15g", knob.most);
+  if (!knob.rule.empty()) text += (text.empty() ? "" : ", ") + knob.rule;
+  return text;
+}
+
+struct NamedText {
+  const char* name;
+  const char* what;
+};
+constexpr NamedText kShapes[] = {
+    {"sphere", "radius, segments (32): segments + 2 rows of twice as many columns, pole axis y"},
+    {"box", "size [x, y, z]: 12 facets"},
+    {"capsule", "height, radius (or radius_bottom and radius_top), segments (8): axis y"},
+    {"torus", "diameter of the centre circle, thickness of the tube, segments (16): axis y"},
+    {"torus_knot", "radius, tube, radial_segments (32), tubular_segments (32), p (2), q (3): axis z"},
+};
+
+std::vector<NamedText> named(const std::string& what) {
+  if (what == "shapes") return {std::begin(kShapes), std::end(kShapes)};
+  std::vector<NamedText> rows;
+  if (what == "scenes")
+    for (const SceneKind& kind : scene_kinds()) rows.push_back({kind.name.c_str(), kind.what.c_str()});
+  else if (what == "problems")
+    for (const Problem& problem : problems()) rows.push_back({problem.name.c_str(), problem.what.c_str()});
+  else
+    for (const IntegratorFacts& facts : integrators()) rows.push_back({facts.name, facts.what});
+  return rows;
+}
+}  // namespace
+
+std::string list_text(const std::string& what) {
+  std::string text;
+  if (what != "algorithms") {
+    for (const NamedText& row : named(what)) text += print("%-20s %s", row.name, row.what) + "\n";
+    return text;
+  }
+  for (const algorithms::Algorithm& row : algorithms::all()) {
+    text += row.name + (row.thesis_key.empty() ? "" : " (" + row.thesis_key + ")") + ": " + row.what + "\n";
+    text += "    promise " + std::string(algorithms::text(row.promise)) + ", scope " +
+            std::string(algorithms::text(row.scope)) + ", operations are " + row.operations_unit + "\n";
+    for (const algorithms::Knob& knob : row.knobs) {
+      text += "    " + knob.name + " = " + value_text(knob.preset) + (knob.unit == "1" ? "" : " " + knob.unit);
+      const std::string range = range_text(knob);
+      text +=
+          std::string("  (") + type_name(knob.preset) + (range.empty() ? "" : ": " + range) + ")  " + knob.what + "\n";
+    }
+  }
+  return text;
+}
+
+std::string list_json(const std::string& what) {
+  Json json = Json::array();
+  if (what != "algorithms") {
+    for (const NamedText& row : named(what)) json.push_back({{"name", row.name}, {"what", row.what}});
+    return dumped(json);
+  }
+  for (const algorithms::Algorithm& row : algorithms::all()) {
+    Json knobs = Json::array();
+    for (const algorithms::Knob& knob : row.knobs) {
+      Json entry = {{"name", knob.name},
+                    {"type", type_name(knob.preset)},
+                    {"preset", value_json(knob.preset)},
+                    {"unit", knob.unit},
+                    {"what", knob.what}};
+      if (std::isfinite(knob.least)) entry["least"] = knob.least;
+      if (std::isfinite(knob.most)) entry["most"] = knob.most;
+      if (!knob.choices.empty()) entry["choices"] = knob.choices;
+      if (!knob.rule.empty()) entry["rule"] = knob.rule;
+      knobs.push_back(entry);
+    }
+    json.push_back({{"name", row.name},
+                    {"thesis_key", row.thesis_key},
+                    {"what", row.what},
+                    {"promise", algorithms::text(row.promise)},
+                    {"scope", algorithms::text(row.scope)},
+                    {"operations_unit", row.operations_unit},
+                    {"knobs", knobs}});
+  }
+  return dumped(json);
+}
+
+}  // namespace pipeline

@@ -1,0 +1,19 @@
+// Results and unfinished runs as text for people and as JSON for programs.
+#pragma once
+#include <string>
+
+#include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/result.hpp"
+
+namespace pipeline {
+
+/// What is in a result: title, size, summary table, provenance, the digest of all of it; with `digests` those of its
+/// groups too.
+std::string result_text(const Result& result, bool digests = false);
+std::string result_json(const Result& result, const std::string& path);
+
+/// How far an unfinished run is.
+std::string part_text(const PartStatus& status, const std::string& path);
+std::string part_json(const PartStatus& status, const std::string& path);
+
+}  // namespace pipeline

@@ -1,0 +1,38 @@
+#include "pipeline/result/result.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace pipeline {
+namespace {
+
+constexpr std::string_view kContainment[] = {"ignore", "record", "meet"};  // in the order of the enumerators
+
+}  // namespace
+
+std::vector<Pair> Truth::scoring(std::size_t step) const {
+  const std::span<const Pair> surface = hits.at(step);
+  std::vector<Pair> out(surface.begin(), surface.end());
+  if (containment == Containment::meet) {
+    const std::span<const Pair> inside = contained.at(step);
+    out.insert(out.end(), inside.begin(), inside.end());
+    std::inplace_merge(out.begin(), out.begin() + std::ptrdiff_t(surface.size()), out.end());
+  }
+  return out;
+}
+
+std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these) {
+  std::vector<Pair> rest;
+  std::set_difference(from.begin(), from.end(), these.begin(), these.end(), std::back_inserter(rest));
+  return rest;
+}
+
+std::string_view text_of(Containment containment) { return kContainment[std::size_t(containment)]; }
+
+std::optional<Containment> containment_of(std::string_view text) {
+  for (std::size_t i = 0; i < std::size(kContainment); ++i)
+    if (kContainment[i] == text) return Containment(i);
+  return std::nullopt;
+}
+
+}  // namespace pipeline

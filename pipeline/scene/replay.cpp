@@ -1,0 +1,368 @@
+// kind = "replay": other people's motion. Bodies from mesh files or built-in shapes and poses from CSV, or both from
+// the result of an earlier run.
+//
+// Keys are read without touching the files they name, because a result's own configuration is read again long after
+// they are gone. The files are read once, when the configuration is (complete), and kept with it.
+#include <fcntl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "geometry/decision/contain.hpp"
+#include "geometry/decision/shells.hpp"
+#include "geometry/meshes/mesh_file.hpp"
+#include "pipeline/result/provenance.hpp"
+#include "pipeline/result/store.hpp"
+#include "pipeline/scene/poses_csv.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/system/file_bytes.hpp"
+#include "pipeline/terminal/error.hpp"
+
+namespace pipeline {
+
+/// What the files of a replayed scene hold.
+struct ReplayInputs {
+  geometry::Bodies bodies;
+  CsvMotion csv;
+  std::vector<std::vector<geometry::Pose>> poses;  // S x B, of an earlier result; else empty
+  std::optional<double> rate;                      // of an earlier result
+
+  std::int64_t steps() const { return poses.empty() ? csv.steps : std::int64_t(poses.size()); }
+};
+
+namespace {
+namespace fs = std::filesystem;
+
+constexpr double kNormTolerance = 1e-6;
+constexpr Range kAnyCoordinate{.least = -geometry::kGreatestCoordinate, .most = geometry::kGreatestCoordinate};
+
+// ---- Keys --------------------------------------------------------------------------------------------------------
+
+/// Where a key stands and what it is called, for messages.
+std::string place_of(const Section& s, const char* key) { return s.place(key) + ": '" + s.full(key) + "'"; }
+
+ReplayBody read_body(const Section& s) {
+  ReplayBody body;
+  if (!s.has("name")) s.fail("missing key '" + s.full("name") + "', the name of the body");
+  body.name = s.text("name", "");
+  if (!valid_label(body.name)) s.refuse("name", kLabelRule);
+  const std::vector<std::string> others{"name", "mesh", "fixed", "position", "orientation"};
+  if (s.has("mesh")) {
+    if (s.has("shape")) s.refuse("shape", "be absent where 'mesh' is given", "a body has one of them");
+    s.only(others);
+    body.mesh = s.text("mesh", "");
+    if (body.mesh.empty()) s.refuse("mesh", "name a file");
+    body.place = place_of(s, "mesh");
+  } else {
+    if (!s.has("shape"))
+      s.fail("missing key '" + s.full("mesh") + "', or 'shape' with its parameters; see `pipeline list shapes`");
+    body.shape = read_shape(s, others);
+    body.place = place_of(s, "shape");
+  }
+  body.fixed = s.boolean("fixed", false);
+  if (!body.fixed)
+    for (const char* key : {"position", "orientation"})
+      if (s.has(key)) s.refuse(key, "be given for fixed bodies only", "a moving body has its poses in the CSV");
+  if (s.has("position")) s.reals("position", body.position.emplace(), kAnyCoordinate);
+  if (s.has("orientation")) {
+    if (!body.position) s.fail("missing key '" + s.full("position") + "' beside 'orientation'");
+    auto& q = body.orientation;
+    s.reals("orientation", q, kAnyCoordinate);
+    const double norm = geometry::norm({q[0], q[1], q[2], q[3]});
+    if (!(std::abs(norm - 1) <= kNormTolerance))
+      s.refuse("orientation", "be a quaternion [w, x, y, z] of length 1 within 1e-6",
+               "its length is " + real_text(norm));
+  }
+  return body;
+}
+
+void read(const Section& s, SceneConfig& config) {
+  s.only({"kind", "poses", "motion", "only", "half_turns", "body"});
+  ReplayScene scene;
+  scene.only = s.texts("only");
+  if (s.has("only") && scene.only.empty()) s.refuse("only", "name at least one body", "leave it out for all pairs");
+  if (s.has("only")) scene.only_place = place_of(s, "only");
+  if (s.has("motion")) {
+    const std::string remedy = "bodies, meshes and poses are those of that result";
+    for (const char* key : {"poses", "half_turns", "body"})
+      if (s.has(key)) s.refuse(key, "be absent where 'motion' is given", remedy);
+    scene.motion = s.text("motion", "");
+    if (scene.motion.empty()) s.refuse("motion", "name a result file");
+    scene.place = place_of(s, "motion");
+  } else {
+    if (!s.has("poses"))
+      s.fail("missing key '" + s.full("poses") + "', a CSV file; or 'motion', the result of an earlier run");
+    scene.poses = s.text("poses", "");
+    if (scene.poses.empty()) s.refuse("poses", "name a CSV file");
+    scene.place = place_of(s, "poses");
+    scene.half_turns = s.boolean("half_turns", false);
+    std::set<std::string> taken;
+    for (const Section& t : s.sections("body")) {
+      scene.bodies.push_back(read_body(t));
+      if (!taken.insert(scene.bodies.back().name).second) t.refuse("name", "be the only one of its name");
+    }
+    if (scene.bodies.empty()) s.fail("missing [[scene.body]]: name the bodies of the CSV and their meshes");
+    for (const std::string& name : scene.only)
+      if (!taken.contains(name))
+        s.refuse("only", "hold names of bodies", hint(name, std::vector<std::string>(taken.begin(), taken.end())));
+  }
+  config.scene = std::move(scene);
+}
+
+void write(const SceneConfig& config, TomlText& out) {
+  const ReplayScene& scene = std::get<ReplayScene>(config.scene);
+  if (scene.motion.empty())
+    out.line("poses", scene.poses);
+  else
+    out.line("motion", scene.motion);
+  if (scene.half_turns) out.line("half_turns", true);
+  if (!scene.only.empty()) out.list("only", scene.only);
+  for (const ReplayBody& body : scene.bodies) {
+    out.table("[[scene.body]]");
+    out.line("name", body.name);
+    if (body.shape)
+      write_shape(*body.shape, out);
+    else
+      out.line("mesh", body.mesh);
+    out.line("fixed", body.fixed);
+    if (!body.position) continue;
+    out.list("position", *body.position);
+    out.list("orientation", body.orientation);
+  }
+}
+
+// ---- Files -------------------------------------------------------------------------------------------------------
+
+/// An input file: its path, relative to the configuration, and its bytes.
+struct Input {
+  std::string path, bytes;
+};
+
+/// Reads the file that the key at `place` names and keeps its hash.
+Input read_input(SceneConfig& config, const std::string& written, const std::string& place) {
+  const fs::path path = config.path.parent_path() / written;
+  Input input{.path = one_line(path.string(), 4096), .bytes = {}};
+  try {
+    input.bytes = read_regular(AT_FDCWD, path, /*follow_links=*/true, machine_memory() / 2);
+  } catch (const FileFailure& failure) {
+    throw Error(kInput, place + " must name a file that can be read, not " + in_quotes(one_line(written)) + ": " +
+                            input.path + ": " + failure.what());
+  }
+  config.inputs[written] = sha256(input.bytes);
+  return input;
+}
+
+/// How many, with the noun in the number it needs.
+std::string counted(std::size_t n, const std::string& one, const std::string& many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+/// Says what the parity rule makes hollow.
+void note_hollows(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file,
+                  SceneConfig& config) {
+  const geometry::Shells found = geometry::shells_of(mesh, solid);
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  if (found.repeated_facets > 0)
+    add(counted(found.repeated_facets, "facet stands", "facets stand") + " where another stands already");
+  if (found.meeting > 0)
+    add(std::to_string(found.meeting) + " of its " + std::to_string(found.shells) + " shells touch or cross another");
+  if (found.nested_alike > 0)
+    add(counted(found.nested_alike, "shell lies", "shells lie") + " inside another that faces the same way");
+  if (!text.empty()) config.notes.push_back(file + ": " + text + "; what lies in two shells counts as outside");
+}
+
+/// What should be said of a mesh that others made.
+void note_flaws(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file,
+                SceneConfig& config) {
+  const bool contained = config.containment != Containment::ignore;
+  if (!solid.closed)
+    config.notes.push_back(file + ": the surface is open, " + geometry::open_text(solid) + "; it is used as it is" +
+                           (contained ? ", and nothing can be inside it" : ""));
+  if (contained) note_hollows(mesh, solid, file, config);
+  if (const std::size_t flat = geometry::degenerate_facets(mesh); flat > 0)
+    config.notes.push_back(file + ": " + std::to_string(flat) + (flat == 1 ? " triangle has" : " triangles have") +
+                           " no area; used as they are");
+}
+
+/// Bodies as the configuration lists them. Bodies of one file or of equal shapes share a mesh, which is named after the
+/// first of them.
+geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene) {
+  geometry::Bodies bodies;
+  std::map<std::string, std::uint32_t> known;  // by the text of `shape`
+  std::optional<std::pair<ReplayBody, geometry::Solid>> first_open;
+  bool any_closed = false;
+  for (const ReplayBody& body : scene.bodies) {
+    TomlText text;
+    if (body.shape)
+      write_shape(*body.shape, text);
+    else
+      text.line("mesh", body.mesh);
+    const auto [at, fresh] = known.emplace(text.text, std::uint32_t(bodies.meshes.size()));
+    if (fresh) {
+      geometry::Mesh mesh;
+      if (body.shape) {
+        mesh = make_mesh(*body.shape, body.name);
+        any_closed = true;
+      } else {
+        const Input input = read_input(config, body.mesh, body.place);
+        std::string said;
+        try {
+          mesh = geometry::parse_mesh(input.bytes, input.path, body.name, &said);
+          if (!said.empty()) config.notes.push_back(said);
+        } catch (const geometry::MeshFileError& error) {
+          throw Error(kInput, error.what());
+        }
+        mesh.shape = "{\"file\": " + in_quotes(one_line(body.mesh, 4096)) + "}";
+        geometry::Solid solid = geometry::solid_of(mesh, config.closed_within);
+        note_flaws(mesh, solid, input.path, config);
+        any_closed |= solid.closed;
+        if (!solid.closed && !first_open) first_open.emplace(body, std::move(solid));
+      }
+      bodies.meshes.push_back(std::move(mesh));
+    }
+    bodies.name.push_back(body.name);
+    bodies.mesh.push_back(at->second);
+    bodies.fixed.push_back(body.fixed);
+  }
+  if (config.containment != Containment::ignore && !any_closed)
+    throw Error(kInput, first_open->first.place + " of body '" + first_open->first.name +
+                            "': " + all_open_text(first_open->first.name, first_open->second));
+  return bodies;
+}
+
+CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene) {
+  std::vector<CsvBody> bodies;
+  for (const ReplayBody& body : scene.bodies)
+    bodies.push_back({body.name, !body.fixed     ? CsvBody::every_step
+                                 : body.position ? CsvBody::none
+                                                 : CsvBody::first_step});
+  const Input input = read_input(config, scene.poses, scene.place);
+  CsvMotion motion = parse_poses(input.bytes, input.path, bodies);
+  if (motion.begins_with_half_turns && !scene.half_turns)
+    config.notes.push_back(input.path +
+                           ": the first quaternion of every body has qw = 0, a half turn: are they in the order of "
+                           "the header? If they are x, y, z, w, let the header end with qx,qy,qz,qw; if half turns are "
+                           "meant, set scene.half_turns = true");
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b].rows != CsvBody::none) continue;
+    const auto& t = *scene.bodies[b].position;
+    const auto& q = scene.bodies[b].orientation;
+    motion.tracks[b] = {
+        .first = 0, .stays = true, .poses = {{geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}}}};
+  }
+  return motion;
+}
+
+void load_result(SceneConfig& config, const ReplayScene& scene, ReplayInputs& inputs) {
+  const std::string path = read_input(config, scene.motion, scene.place).path;
+  Result earlier = read_result(path);
+  if (config.containment != Containment::ignore) {
+    std::vector<geometry::Solid> solids;
+    for (const geometry::Mesh& mesh : earlier.bodies.meshes) {
+      solids.push_back(geometry::solid_of(mesh, config.closed_within));
+      note_flaws(mesh, solids.back(), path + ": mesh '" + mesh.name + "'", config);
+    }
+    if (std::ranges::none_of(solids, &geometry::Solid::closed))
+      throw Error(kInput, scene.place + ": " + all_open_text(earlier.bodies.meshes[0].name, solids[0]));
+  }
+  inputs.bodies = std::move(earlier.bodies);
+  inputs.poses = std::move(earlier.motion);
+  inputs.rate = earlier.rate;
+}
+
+std::shared_ptr<const ReplayInputs> load(SceneConfig& config) {
+  const ReplayScene& scene = std::get<ReplayScene>(config.scene);
+  auto inputs = std::make_shared<ReplayInputs>();
+  if (!scene.motion.empty()) {
+    load_result(config, scene, *inputs);
+  } else {
+    inputs->bodies = load_bodies(config, scene);
+    inputs->csv = load_poses(config, scene);
+  }
+  if (scene.only.empty()) return inputs;
+  geometry::Bodies& bodies = inputs->bodies;
+  bodies.chosen.assign(bodies.size(), 0);
+  for (const std::string& name : scene.only) {
+    const auto at = std::ranges::find(bodies.name, name);
+    if (at == bodies.name.end())
+      throw Error(kInput, scene.only_place + " must hold names of bodies, not " + in_quotes(one_line(name)) + "; " +
+                              hint(name, bodies.name));
+    bodies.chosen[std::size_t(at - bodies.name.begin())] = 1;
+  }
+  return inputs;
+}
+
+void complete(SceneConfig& config) {
+  auto inputs = load(config);
+  const std::int64_t steps = inputs->steps();
+  ReplayScene& scene = std::get<ReplayScene>(config.scene);
+  if (config.steps_place.empty())
+    config.steps = steps;
+  else if (config.steps > steps)
+    throw Error(kInput, config.steps_place + ": 'steps' must be at most " + std::to_string(steps) + ", the steps of " +
+                            (scene.motion.empty() ? scene.poses : scene.motion) + ", not " +
+                            std::to_string(config.steps));
+  if (!config.rate_given && inputs->rate) config.rate = *inputs->rate;
+  scene.inputs = std::move(inputs);
+}
+
+const ReplayInputs& inputs_of(const SceneConfig& config) {
+  const auto& inputs = std::get<ReplayScene>(config.scene).inputs;
+  if (!inputs) throw std::logic_error("a replayed scene is asked for before its files were read");
+  return *inputs;
+}
+
+SceneSize size(const SceneConfig& config) {
+  const geometry::Bodies& bodies = inputs_of(config).bodies;
+  SceneSize out{.bodies = bodies.size(), .meshes = bodies.meshes.size()};
+  for (const geometry::Mesh& mesh : bodies.meshes) {
+    out.mesh_vertices += mesh.vertices.size();
+    out.mesh_triangles += mesh.triangles.size();
+  }
+  for (std::uint32_t b = 0; b < bodies.size(); ++b) out.body_vertices += bodies.mesh_of(b).vertices.size();
+  return out;
+}
+
+Scene make(const SceneConfig& config) {
+  const ReplayInputs& inputs = inputs_of(config);
+  Scene scene;
+  scene.bodies = inputs.bodies;
+  if (inputs.poses.empty())
+    scene.script = poses_of(inputs.csv, config.steps);
+  else
+    scene.script.assign(inputs.poses.begin(), inputs.poses.begin() + config.steps);
+  return scene;
+}
+
+std::vector<Ahead> ahead(const SceneConfig& config) {
+  const ReplayInputs& inputs = inputs_of(config);
+  std::vector<Ahead> out;
+  for (std::size_t b = 0; b < inputs.bodies.size(); ++b) {
+    const auto born = [b](const auto& step) { return geometry::is_born(step[b]); };
+    double first = 0;  // also of a body with its pose in the configuration
+    if (inputs.poses.empty())
+      first = std::max(0.0, double(inputs.csv.tracks[b].first));
+    else
+      first = double(std::ranges::find_if(inputs.poses, born) - inputs.poses.begin());
+    out.push_back({.what = "births", .first = first});
+  }
+  return out;
+}
+
+}  // namespace
+
+SceneKind replay_kind() {
+  return {.name = "replay",
+          .what = "other people's motion: meshes from files, poses from CSV or from an earlier result",
+          .integrated = false,
+          .read = read,
+          .write = write,
+          .size = size,
+          .make = make,
+          .ahead = ahead,
+          .complete = complete};
+}
+
+}  // namespace pipeline

@@ -1,0 +1,233 @@
+#include "pipeline/stages/detect.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+#include <stdexcept>
+
+#include "pipeline/stages/truth.hpp"
+#include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/words.hpp"
+
+namespace pipeline {
+namespace {
+
+using algorithms::Method;
+using geometry::Bodies;
+using geometry::Pair;
+using geometry::PairRun;
+using geometry::Pose;
+
+/// A miss of a conservative method that it finds with boxes and radii this much larger (times size + |t|) is a rounding
+/// miss (README, "Promises").
+constexpr double kRoundingEnlargement = 0x1p-40;
+
+struct Entry {
+  const algorithms::Algorithm* row;
+  std::unique_ptr<Method> method;
+};
+
+Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
+  const algorithms::Algorithm* row = algorithms::find(choice.name);
+  try {
+    return {row, row->make(bodies, choice.knobs)};
+  } catch (const std::invalid_argument& error) {
+    throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+  } catch (const std::bad_alloc&) {
+    throw OutOfMemory(choice, bodies);
+  }
+}
+
+/// The columns of `answers` that a chunk holds, in the order they are written and read.
+template <class Visit>
+void for_each_column(Answers& answers, bool counts_contained, Visit visit) {
+  visit(answers.time_ns);
+  visit(answers.time_median_ns);
+  visit(answers.prepare_ns);
+  visit(answers.operations);
+  visit(answers.true_positive);
+  visit(answers.false_positive);
+  visit(answers.false_negative);
+  visit(answers.rounding_miss);
+  if (counts_contained) visit(answers.contained_hit);
+}
+
+std::uint64_t rounding_misses(Method& method, std::span<const Pose> poses, std::span<const Pair> missed) {
+  if (missed.empty()) return 0;
+  method.prepare(poses, kRoundingEnlargement);
+  std::vector<PairRun> runs;
+  for (const Pair& pair : missed) runs.push_back({pair.a, pair.b, pair.b + 1});
+  std::vector<Pair> found;
+  method.answer(runs, found);
+  return found.size();
+}
+
+struct Timing {
+  std::int64_t total_ns, prepare_ns;
+};
+
+Timing timed_pass(Method& method, std::span<const Pose> poses, std::span<const PairRun> runs, std::vector<Pair>& hits) {
+  using Clock = std::chrono::steady_clock;
+  using std::chrono::nanoseconds;
+  hits.clear();
+  const auto start = Clock::now();
+  method.prepare(poses);
+  const auto prepared = Clock::now();
+  method.answer(runs, hits);
+  const auto answered = Clock::now();
+  return {nanoseconds(answered - start).count(), nanoseconds(prepared - start).count()};
+}
+
+void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const PairRun> runs, const Truth& all_truth,
+                 std::size_t step, std::int64_t repeats, std::vector<Pair>& timed_hits, Answers& out) {
+  Method& method = *entry.method;
+  std::vector<Pair> hits;
+  method.prepare(poses);
+  out.operations.push_back(method.count(runs, hits));
+  timed_hits.reserve(hits.size());
+
+  std::vector<Timing> timings;
+  for (std::int64_t i = 0; i < repeats; ++i) {
+    timings.push_back(timed_pass(method, poses, runs, timed_hits));
+    if (timed_hits != hits)
+      throw std::logic_error(out.label + ": the timed pass answers otherwise than the counting pass");
+  }
+  method.remember();  // before the enlarged boxes, of which nothing is to be learned
+  std::sort(timings.begin(), timings.end(), [](const Timing& a, const Timing& b) { return a.total_ns < b.total_ns; });
+  out.time_ns.push_back(timings.front().total_ns);
+  out.prepare_ns.push_back(timings.front().prepare_ns);
+  const std::size_t middle = timings.size() / 2;
+  out.time_median_ns.push_back(timings.size() % 2 ? timings[middle].total_ns
+                                                  : (timings[middle - 1].total_ns + timings[middle].total_ns) / 2);
+
+  std::sort(hits.begin(), hits.end());  // a sweep reports in its own order
+  try {
+    check_hits(hits, runs);
+  } catch (const std::logic_error& error) {
+    throw std::logic_error(out.label + ": step " + std::to_string(step) + ": " + error.what());
+  }
+  const std::vector<Pair> truth = all_truth.scoring(step);
+  const std::vector<Pair> missed = without(truth, hits);
+  std::vector<Pair> invented = without(hits, truth);
+  if (all_truth.containment == Containment::record) {
+    const std::size_t reported = invented.size();
+    invented = without(invented, all_truth.contained.at(step));
+    out.contained_hit.push_back(reported - invented.size());
+  }
+  out.true_positive.push_back(truth.size() - missed.size());
+  out.false_positive.push_back(invented.size());
+  out.false_negative.push_back(missed.size());
+  out.rounding_miss.push_back(
+      entry.row->promise == algorithms::Promise::conservative ? rounding_misses(method, poses, missed) : 0);
+  out.hits.append(hits);
+}
+
+}  // namespace
+
+void check_hits(std::span<const Pair> hits, std::span<const PairRun> runs) {
+  auto run = runs.begin();
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const auto [a, b] = hits[i];
+    while (run != runs.end() && (run->a < a || (run->a == a && run->last <= b))) ++run;
+    const char* mistake = nullptr;
+    if (run == runs.end() || run->a != a || b < run->first) mistake = "was not asked about";
+    if (i > 0 && hits[i] == hits[i - 1]) mistake = "was reported before";
+    if (mistake)
+      throw std::logic_error("the reported pair " + std::to_string(a) + ", " + std::to_string(b) + " " + mistake +
+                             "; answer with pairs of `runs`, a < b, each once");
+  }
+}
+
+OutOfMemory::OutOfMemory(const AlgorithmChoice& choice, const Bodies& bodies)
+    : Error(kInput, "algorithm '" + choice.label + "': out of memory; it takes about " +
+                        bytes_text(algorithms::memory(*algorithms::find(choice.name), bodies, choice.knobs).greatest) +
+                        ": sample fewer facets, or take fewer bodies or segments") {}
+
+void refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
+  constexpr std::uint64_t kLarge = 64 << 20;  // bytes; making more takes too long to be done only to ask
+  for (const AlgorithmChoice& choice : choices) {
+    try {
+      if (algorithms::memory(*algorithms::find(choice.name), bodies, choice.knobs).greatest > kLarge) continue;
+    } catch (const std::invalid_argument& error) {
+      throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+    }
+    set_up(bodies, choice);
+  }
+}
+
+std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<Pose>>& poses, const Truth& truth,
+                            const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Machine& machine,
+                            const Part* part, Progress& progress) {
+  std::vector<Answers> all;
+  for (const AlgorithmChoice& choice : choices) {
+    const algorithms::Algorithm& row = *algorithms::find(choice.name);
+    Answers answers;
+    answers.label = choice.label;
+    answers.name = row.name;
+    answers.knobs = knobs_json(choice.knobs);
+    answers.promise = algorithms::text(row.promise);
+    answers.thesis_key = row.thesis_key;
+    answers.operations_unit = row.operations_unit;
+    answers.scope = algorithms::text(row.scope);
+    answers.machine = machine;
+    all.push_back(std::move(answers));
+  }
+
+  const bool counts_contained = truth.containment == Containment::record;
+  std::vector<Entry> entries;  // made when the first chunk needs them
+  std::vector<Pair> timed_hits;
+  const std::int64_t steps = std::int64_t(poses.size());
+  for (std::int64_t first = 0; first < steps; first += kChunkSteps) {
+    const std::int64_t last = std::min(first + kChunkSteps, steps);
+    const std::string name = chunk_name("answers", first);
+    if (const auto kept = part ? part->load(name) : std::nullopt) {
+      ChunkReader in(*kept);
+      for (Answers& answers : all) {
+        PairLists hits;
+        hits.offset = in.get<std::uint64_t>();
+        hits.pair = in.get<Pair>();
+        answers.hits.append_steps(hits);
+        for_each_column(answers, counts_contained, [&]<class T>(std::vector<T>& column) {
+          const std::vector<T> rows = in.get<T>();
+          column.insert(column.end(), rows.begin(), rows.end());
+        });
+      }
+      progress.add(std::uint64_t(last - first), false);
+      continue;
+    }
+
+    if (entries.empty())
+      for (const AlgorithmChoice& choice : choices) entries.push_back(set_up(bodies, choice));
+    for (Entry& entry : entries) entry.method->forget();  // a resumed run starts here
+    for (std::int64_t step = first; step < last; ++step) {
+      stop_if_wanted();
+      const std::vector<PairRun> runs = geometry::pair_runs(bodies, poses[step]);
+      for (std::size_t i = 0; i < entries.size(); ++i) {
+        const std::size_t a = step % 2 ? entries.size() - 1 - i : i;
+        try {
+          answer_step(entries[a], poses[step], runs, truth, std::size_t(step), repeats, timed_hits, all[a]);
+        } catch (const std::bad_alloc&) {
+          throw OutOfMemory(choices[a], bodies);
+        }
+        progress.tick();
+      }
+      progress.add(1);
+    }
+    if (part) {
+      ChunkWriter out;
+      for (Answers& answers : all) {
+        PairLists hits;
+        for (std::int64_t step = first; step < last; ++step) hits.append(answers.hits.at(step));
+        out.put(hits.offset);
+        out.put(hits.pair);
+        for_each_column(answers, counts_contained, [&]<class T>(std::vector<T>& column) {
+          out.put(std::vector<T>(column.begin() + first, column.begin() + last));
+        });
+      }
+      part->save(name, out.bytes);
+    }
+  }
+  return all;
+}
+
+}  // namespace pipeline

@@ -1,0 +1,39 @@
+// The detect stage: asks every algorithm about every pair of every step, and times it.
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/result.hpp"
+#include "pipeline/stages/choice.hpp"
+#include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/progress.hpp"
+
+namespace pipeline {
+
+/// No memory was left while a label was set up or answered: names it and what it takes.
+struct OutOfMemory : Error {
+  OutOfMemory(const AlgorithmChoice& choice, const geometry::Bodies& bodies);
+};
+
+/// Throws Error(kInput) when the knobs of a choice do not fit these meshes, for instance a density of facets that needs
+/// billions of them: said before the run rather than after the motion.
+void refuse_unfit(const geometry::Bodies& bodies, const std::vector<AlgorithmChoice>& choices);
+
+/// Throws std::logic_error that names the first of `hits` that is no pair of `runs` or is there twice: a mistake of
+/// the method that would be scored as false positives. Both sorted.
+void check_hits(std::span<const geometry::Pair> hits, std::span<const geometry::PairRun> runs);
+
+/// Answers, operations, times and scores of every algorithm of `choices`, in their order. Single-threaded.
+///
+/// Per step and algorithm one pass counts operations, untimed; then `repeats` passes are timed by a monotonic clock
+/// around prepare and answer, memory being reserved before. The order of the algorithms is reversed at every other
+/// step. What an algorithm remembers of the steps before is the same in all passes of a step, and is emptied before
+/// every chunk of kChunkSteps, so that repeating and resuming change nothing. Chunks that `part` holds are taken from
+/// it; `part` may be null.
+std::vector<Answers> detect(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
+                            const Truth& truth, const std::vector<AlgorithmChoice>& choices, std::int64_t repeats,
+                            const Machine& machine, const Part* part, Progress& progress);
+
+}  // namespace pipeline

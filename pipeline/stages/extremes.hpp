@@ -1,0 +1,71 @@
+// The cases of a scene of extremes: what is true of them, and what algorithms say besides their answer.
+//
+// At every step two bodies are there and no other. Each set of steps is answered as a run of its own of two bodies, so
+// that an algorithm that refuses a mesh, or throws, loses the steps of that mesh and nothing else: it becomes data.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "geometry/bodies.hpp"
+#include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/result.hpp"
+#include "pipeline/scene/script.hpp"
+#include "pipeline/stages/choice.hpp"
+#include "pipeline/terminal/progress.hpp"
+
+namespace pipeline {
+
+/// `cases` with what is true of them: truth, truth_moved and near_touching. `poses` is S x B.
+std::vector<ExtremeCase> extreme_rows(const geometry::Bodies& bodies,
+                                      const std::vector<std::vector<geometry::Pose>>& poses, const Truth& truth,
+                                      const std::vector<CaseSet>& sets, std::vector<ExtremeCase> cases,
+                                      Progress& progress);
+
+/// Answers of the algorithms, and what else they said.
+struct ExtremesDetected {
+  std::vector<Answers> answers;       // A, as detect gives them; where an algorithm failed, nothing is reported
+  std::vector<ExtremeAnswers> cases;  // A
+};
+
+/// Asks every algorithm of `choices` about every case: as detect does, then in the other order, and moved. A NaN on an
+/// algorithm's way shows in its answers only: the processor's flags do not tell, SLEEF raises them for an asin(0).
+/// Single-threaded. Chunks that `part` holds are taken from it; `part` may be null.
+ExtremesDetected detect_extremes(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
+                                 const Truth& truth, const std::vector<CaseSet>& sets,
+                                 const std::vector<AlgorithmChoice>& choices, std::int64_t repeats,
+                                 const Machine& machine, const Part* part, Progress& progress);
+
+/// One algorithm over some cases.
+struct ExtremesCount {
+  std::uint64_t cases = 0, true_positive = 0, false_positive = 0, false_negative = 0, failed = 0;
+
+  double error() const;  // of the cases that did not fail; NaN when there is none
+};
+
+/// Counts the cases that `chosen` says.
+template <class Chosen>
+ExtremesCount count(const Extremes& extremes, std::size_t algorithm, Chosen chosen) {
+  ExtremesCount out;
+  const ExtremeAnswers& said = extremes.answers[algorithm];
+  for (std::size_t s = 0; s < extremes.rows.size(); ++s) {
+    const ExtremeCase& row = extremes.rows[s];
+    if (!chosen(row)) continue;
+    ++out.cases;
+    out.failed += said.failed[s] != 0;
+    if (said.failed[s]) continue;
+    out.true_positive += said.reported[s] && row.truth;
+    out.false_positive += said.reported[s] && !row.truth;
+    out.false_negative += !said.reported[s] && row.truth;
+  }
+  return out;
+}
+
+/// What an algorithm's answers are worth besides being right; over all cases that did not fail.
+struct ExtremesInstability {
+  std::uint64_t swapped = 0;  // answers that change with the order of the pair
+  std::uint64_t moved = 0;    // that change when both are moved, while the truth does not
+};
+ExtremesInstability instability(const Extremes& extremes, std::size_t algorithm);
+
+}  // namespace pipeline

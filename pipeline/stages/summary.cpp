@@ -1,0 +1,51 @@
+#include "pipeline/stages/summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pipeline {
+namespace {
+
+double ratio(double numerator, double denominator) {
+  return denominator == 0 ? std::numeric_limits<double>::quiet_NaN() : numerator / denominator;
+}
+
+}  // namespace
+
+Summary summarise(const Answers& answers, std::uint64_t pairs) {
+  Summary row;
+  row.true_positive = total(answers.true_positive);
+  row.false_positive = total(answers.false_positive);
+  row.false_negative = total(answers.false_negative);
+  if (!answers.contained_hit.empty()) row.contained_hit = total(answers.contained_hit);
+  row.hits = row.true_positive + row.false_positive + row.contained_hit.value_or(0);
+  row.operations = total(answers.operations);
+
+  const double tp = double(row.true_positive), fp = double(row.false_positive), fn = double(row.false_negative);
+  const double tn = double(pairs - row.true_positive - row.false_positive - row.false_negative);
+  row.error = tp + fp + fn == 0 ? 0 : (fp + fn) / (tp + fp + fn);
+  row.precision = ratio(tp, tp + fp);
+  row.recall = ratio(tp, tp + fn);
+  // The product of four counts overflows integers, not doubles; its root factor by factor keeps small cases exact.
+  row.matthews =
+      ratio(tp * tn - fp * fn, std::sqrt(tp + fp) * std::sqrt(tp + fn) * std::sqrt(tn + fp) * std::sqrt(tn + fn));
+
+  std::vector<std::int64_t> times = answers.time_ns;
+  std::sort(times.begin(), times.end());
+  const std::size_t n = times.size();
+  row.time_mean_ns = double(total(times)) / double(n);
+  row.time_median_ns = median(times);
+  row.time_p95_ns = double(times[(95 * n + 99) / 100 - 1]);
+
+  if (answers.promise == "conservative") row.promise_kept = row.false_negative == total(answers.rounding_miss);
+  if (answers.promise == "exact") row.promise_kept = row.false_negative == 0 && row.false_positive == 0;
+  return row;
+}
+
+std::uint64_t judged_pairs(const Result& result) {
+  std::uint64_t pairs = 0;
+  for (const auto& step : result.motion) pairs += geometry::pair_count(geometry::pair_runs(result.bodies, step));
+  return result.truth.containment == Containment::record ? pairs - result.truth.contained.pair.size() : pairs;
+}
+
+}  // namespace pipeline

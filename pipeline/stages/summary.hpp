@@ -1,0 +1,35 @@
+// The score stage: from answers per step to one row of the summary.
+#pragma once
+#include <cstddef>
+#include <numeric>
+#include <vector>
+
+#include "pipeline/result/result.hpp"
+
+namespace pipeline {
+
+template <class T>
+T total(const std::vector<T>& column) {
+  return std::accumulate(column.begin(), column.end(), T{0});
+}
+
+/// Of at least one value, sorted.
+template <class T>
+double median(const std::vector<T>& sorted) {
+  const std::size_t n = sorted.size();
+  return n % 2 ? double(sorted[n / 2]) : 0.5 * (double(sorted[n / 2 - 1]) + double(sorted[n / 2]));
+}
+
+/// The summary of one algorithm over all pairs and steps. `pairs` is the number of pairs that are judged (below): what
+/// is neither reported nor true among them is a true negative.
+///
+///     error = (FP + FN) / (TP + FP + FN)      0 when the denominator is 0
+///
+/// Times are over the steps' fastest repeats; the 95th percentile is the nearest rank.
+Summary summarise(const Answers& answers, std::uint64_t pairs);
+
+/// Born pairs that count, over all steps, less those that are contained and only recorded: these are neither true nor
+/// false, whether reported or not.
+std::uint64_t judged_pairs(const Result& result);
+
+}  // namespace pipeline

@@ -1,0 +1,227 @@
+#include "pipeline/stages/detect.hpp"
+
+#include <gtest/gtest.h>
+
+#include "geometry/meshes/shapes.hpp"
+#include "pipeline/config.hpp"
+#include "pipeline/stages/truth.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+using namespace pipeline;
+using geometry::Pose;
+
+namespace {
+
+/// Three unit spheres on the x axis; the middle one moves from left to right in `steps` steps.
+struct Row {
+  geometry::Bodies bodies;
+  std::vector<std::vector<Pose>> poses;
+
+  explicit Row(int steps) {
+    bodies.meshes.push_back(geometry::sphere("sphere", 1, 8));
+    for (const char* name : {"left", "middle", "right"}) {
+      bodies.name.push_back(name);
+      bodies.mesh.push_back(0);
+      bodies.fixed.push_back(0);
+    }
+    for (int s = 0; s < steps; ++s) {
+      std::vector<Pose> step(3);
+      step[0].t = {-3, 0, 0};
+      step[1].t = {-1.5 + 3.0 * s / (steps - 1), 0, 0};
+      step[2].t = {3, 0, 0};
+      poses.push_back(step);
+    }
+  }
+
+  Truth truth() const {
+    const TemporaryFolder folder;
+    Part part(folder / "p", {}, "", std::int64_t(poses.size()), false);
+    Progress quiet("truth", poses.size(), true);
+    return decide(bodies, poses, 1, part, quiet);
+  }
+};
+
+std::vector<AlgorithmChoice> choices(std::initializer_list<const char*> names) {
+  std::vector<AlgorithmChoice> out;
+  for (const char* name : names) out.push_back(parse_algorithm(name));
+  return out;
+}
+
+std::vector<Answers> detected(const Row& row, const Truth& truth, const std::vector<AlgorithmChoice>& algorithms,
+                              const Part* part = nullptr, std::int64_t repeats = 2) {
+  Progress quiet("detect", row.poses.size(), true);
+  return detect(row.bodies, row.poses, truth, algorithms, repeats, {}, part, quiet);
+}
+
+}  // namespace
+
+TEST(Truth, FollowsASphereFromOneNeighbourToTheOther) {
+  const Row row(13);
+  const Truth truth = row.truth();
+  ASSERT_EQ(truth.hits.steps(), 13u);
+  const auto at = [&](std::size_t s) { return std::vector<Pair>(truth.hits.at(s).begin(), truth.hits.at(s).end()); };
+  EXPECT_EQ(at(0), (std::vector<Pair>{{0, 1}}));
+  EXPECT_TRUE(at(6).empty());
+  EXPECT_EQ(at(12), (std::vector<Pair>{{1, 2}}));
+}
+
+TEST(Truth, DoesNotDependOnThreadsAndIsResumed) {
+  const Row row(120);  // three chunks
+  const TemporaryFolder folder;
+  Progress quiet("truth", 0, true);
+  Part one(folder / "one", {}, "", 120, false), many(folder / "many", {}, "", 120, false);
+  const Truth alone = decide(row.bodies, row.poses, 1, one, quiet);
+  const Truth together = decide(row.bodies, row.poses, 3, many, quiet);
+  EXPECT_EQ(alone.hits.pair, together.hits.pair);
+  EXPECT_EQ(alone.hits.offset, together.hits.offset);
+  // Kept chunks are taken as they are: also their times, which a second computation would not repeat.
+  EXPECT_EQ(decide(row.bodies, row.poses, 1, one, quiet).time_ns, alone.time_ns);
+}
+
+TEST(Truth, FindsGapsOnlyWhereAsked) {
+  const Row row(13);
+  EXPECT_FALSE(row.truth().gaps);
+  const TemporaryFolder folder;
+  Part part(folder / "p", {}, "", 13, false);
+  Progress quiet("truth", 13, true);
+  const Truth truth = decide(row.bodies, row.poses, 1, part, quiet, Containment::ignore, 0.6);
+  ASSERT_TRUE(truth.gaps);
+  EXPECT_EQ(truth.gaps->margin, 0.6);
+  // The middle sphere starts 0.5 m inside the left one, and its pole on the x axis moves 0.25 m a step: poles of the
+  // others are at -2 and 2.
+  for (std::size_t s = 0; s < 13; ++s) {
+    const double left = -0.5 + 0.25 * double(s), right = 2.5 - 0.25 * double(s);
+    std::vector<Pair> near;
+    if (left > 0 && left <= 0.6) near.push_back({0, 1});
+    if (right > 0 && right <= 0.6) near.push_back({1, 2});
+    const auto found = truth.gaps->pairs.at(s);
+    EXPECT_EQ(std::vector<Pair>(found.begin(), found.end()), near) << s;
+    for (std::uint64_t i = truth.gaps->pairs.offset[s]; i < truth.gaps->pairs.offset[s + 1]; ++i) {
+      const double distance = truth.gaps->pairs.pair[i].a == 0 ? left : right;
+      EXPECT_LE(truth.gaps->lower[i], distance);
+      EXPECT_GE(truth.gaps->upper[i], distance);
+      EXPECT_NEAR(truth.gaps->lower[i], truth.gaps->upper[i], 1e-11);
+    }
+  }
+}
+
+TEST(Truth, GapsDoNotDependOnThreadsAndAreResumed) {
+  const Row row(120);
+  const TemporaryFolder folder;
+  Progress quiet("truth", 0, true);
+  Part one(folder / "one", {}, "", 120, false), many(folder / "many", {}, "", 120, false);
+  const auto asked = [&](int threads, const Part& part) {
+    return *decide(row.bodies, row.poses, threads, part, quiet, Containment::ignore, 1).gaps;
+  };
+  const GapLists alone = asked(1, one);
+  ASSERT_GT(alone.lower.size(), 40u);
+  const GapLists resumed = asked(1, one);
+  for (const GapLists& other : {asked(3, many), resumed}) {
+    EXPECT_EQ(alone.pairs.offset, other.pairs.offset);
+    EXPECT_EQ(alone.pairs.pair, other.pairs.pair);
+    EXPECT_EQ(alone.lower, other.lower);
+    EXPECT_EQ(alone.upper, other.upper);
+  }
+}
+
+TEST(Detect, ScoresEveryStepAgainstTheTruth) {
+  const Row row(13);
+  const Truth truth = row.truth();
+  const std::vector<Answers> all = detected(row, truth, choices({"bounding_sphere", "rotated_aabb", "obb_sat"}));
+  ASSERT_EQ(all.size(), 3u);
+  for (const Answers& answers : all) {
+    ASSERT_EQ(answers.hits.steps(), 13u);
+    ASSERT_EQ(answers.time_ns.size(), 13u);
+    for (std::size_t s = 0; s < 13; ++s) {
+      EXPECT_EQ(answers.true_positive[s] + answers.false_positive[s], answers.hits.at(s).size());
+      EXPECT_EQ(answers.true_positive[s] + answers.false_negative[s], truth.hits.at(s).size());
+      EXPECT_GT(answers.time_ns[s], 0);
+      EXPECT_GE(answers.time_median_ns[s], answers.time_ns[s]);
+      EXPECT_GE(answers.time_ns[s], answers.prepare_ns[s]);
+      EXPECT_GE(answers.operations[s], 3u) << "every pair is visited";
+    }
+  }
+  // r = |h| = sqrt(3) for H: at 1.5 m from each neighbour's place all are reported.
+  EXPECT_EQ(all[0].hits.at(6).size(), 2u);
+}
+
+TEST(Detect, TakesChunksFromThePartAndGoesOnAfterThem) {
+  const Row row(120);
+  const Truth truth = row.truth();
+  const auto algorithms = choices({"bounding_sphere", "obb_sat", "exact"});  // the last one remembers
+  const std::vector<Answers> whole = detected(row, truth, algorithms);
+  const TemporaryFolder folder;
+  Part part(folder / "p", {}, "", 120, false);
+  const std::vector<Answers> first = detected(row, truth, algorithms, &part);
+  std::filesystem::remove(folder / ("p/" + chunk_name("answers", 50)));
+  const std::vector<Answers> again = detected(row, truth, algorithms, &part);
+  for (std::size_t a = 0; a < algorithms.size(); ++a) {
+    EXPECT_EQ(again[a].hits.pair, whole[a].hits.pair);
+    EXPECT_EQ(again[a].hits.offset, whole[a].hits.offset);
+    EXPECT_EQ(again[a].operations, whole[a].operations);
+    ASSERT_EQ(again[a].time_ns.size(), 120u);
+    EXPECT_EQ(again[a].time_ns[0], first[a].time_ns[0]);
+    EXPECT_EQ(again[a].time_ns[119], first[a].time_ns[119]);
+  }
+}
+
+TEST(Detect, MemoriesAreEmptyAtEveryChunkAndOnlyThere) {
+  const Row row(120);
+  const std::vector<Answers> all = detected(row, row.truth(), choices({"exact", "exact_cold"}));
+  const std::vector<std::uint64_t>&warm = all[0].operations, &cold = all[1].operations;
+  EXPECT_EQ(all[0].hits.pair, all[1].hits.pair);
+  std::size_t cheaper = 0;
+  for (std::size_t s = 0; s < 120; ++s) {
+    if (s % kChunkSteps == 0) {
+      EXPECT_EQ(warm[s], cold[s]) << s;
+    }
+    cheaper += warm[s] < cold[s];
+  }
+  EXPECT_GT(cheaper, 0u);
+}
+
+TEST(Detect, RepeatingChangesNothingThatIsRemembered) {
+  const Row row(60);
+  const Truth truth = row.truth();
+  const std::vector<Answers> once = detected(row, truth, choices({"exact", "obb_sat"}), nullptr, 1);
+  const std::vector<Answers> often = detected(row, truth, choices({"exact", "obb_sat"}), nullptr, 5);
+  for (std::size_t a = 0; a < 2; ++a) {
+    EXPECT_EQ(often[a].operations, once[a].operations);
+    EXPECT_EQ(often[a].hits.pair, once[a].hits.pair);
+  }
+}
+
+// A body that is not born takes part in no pair, whatever the algorithm.
+TEST(Detect, UnbornBodiesTakePartInNoPair) {
+  Row row(3);
+  for (auto& step : row.poses) step[1] = geometry::unborn();
+  row.poses[0][1] = Pose{.q = {}, .t = {-3, 0, 0}};
+  const Truth truth = row.truth();
+  std::vector<AlgorithmChoice> every;
+  for (const auto& algorithm : algorithms::all()) every.push_back(parse_algorithm(algorithm.name));
+  for (const Answers& answers : detected(row, truth, every)) {
+    EXPECT_EQ(answers.hits.at(1).size(), 0u) << answers.label;
+    EXPECT_EQ(answers.hits.at(2).size(), 0u) << answers.label;
+  }
+}
+
+// What Method::answer must keep: an own broad phase that reports (b, a), strangers or a pair twice was scored as if it
+// had invented them.
+TEST(Detect, RefusesHitsThatWereNotAskedAboutOnce) {
+  using geometry::Pair;
+  const std::vector<geometry::PairRun> runs = {{0, 1, 3}, {0, 4, 5}, {2, 3, 5}};
+  const auto said = [&](std::vector<Pair> hits) -> std::string {
+    try {
+      check_hits(hits, runs);
+    } catch (const std::logic_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(said({}), "");
+  EXPECT_EQ(said({{0, 1}, {0, 2}, {0, 4}, {2, 3}, {2, 4}}), "");
+  EXPECT_EQ(said({{0, 4}, {2, 4}}), "");
+  for (const Pair stranger : {Pair{0, 0}, {0, 3}, {0, 5}, {1, 0}, {1, 2}, {2, 2}, {2, 5}, {3, 2}, {9, 9}})
+    EXPECT_NE(said({stranger}).find("was not asked about"), std::string::npos) << stranger.a << ' ' << stranger.b;
+  EXPECT_NE(said({{0, 4}, {2, 3}, {2, 3}}).find("pair 2, 3 was reported before"), std::string::npos);
+}

@@ -1,0 +1,353 @@
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+
+#include "pipeline/result/checkpoint.hpp"
+#include "pipeline/terminal/error.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+using namespace pipeline;
+namespace fs = std::filesystem;
+
+namespace {
+
+const PartKey kKey{.config_sha256 = "c1", .program_sha256 = "p1"};
+
+std::string refusal(const fs::path& folder, const PartKey& key, bool force = false) {
+  try {
+    Part part(folder, key, "title", 100, force);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), kFile);
+    return error.what();
+  }
+  return "";
+}
+
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void overwrite(const fs::path& file, std::streamoff at, char with) {
+  std::fstream io(file, std::ios::binary | std::ios::in | std::ios::out);
+  io.seekp(at);
+  io.put(with);
+}
+
+}  // namespace
+
+TEST(Part, GivesBackWhatWasSaved) {
+  const TemporaryFolder folder;
+  Part part(folder / "x.h5.part", kKey, "title", 100, false);
+  EXPECT_FALSE(part.resumed());
+  EXPECT_FALSE(part.load("motion-0000000"));
+  const std::string content("a\0b\xff", 4);
+  part.save("motion-0000000", content);
+  EXPECT_EQ(part.load("motion-0000000"), content);
+  part.save("truth-0000000", "");
+  EXPECT_EQ(part.load("truth-0000000"), "");
+}
+
+TEST(Part, IsResumedByTheSameKeyOnly) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "x.h5.part";
+  { Part(path, kKey, "title", 100, false).save(chunk_name("motion", 0), "1"); }
+  {
+    Part again(path, kKey, "title", 100, false);
+    EXPECT_TRUE(again.resumed());
+    EXPECT_EQ(again.load(chunk_name("motion", 0)), "1");
+  }
+  EXPECT_NE(refusal(path, {.config_sha256 = "c2", .program_sha256 = "p1"}).find("another configuration"),
+            std::string::npos);
+  EXPECT_NE(refusal(path, {.config_sha256 = "c1", .program_sha256 = "p2"}).find("another build"), std::string::npos);
+  // What was refused is still whole; --force empties it.
+  EXPECT_EQ(Part(path, kKey, "title", 100, false).load(chunk_name("motion", 0)), "1");
+  Part forced(path, {.config_sha256 = "c2", .program_sha256 = "p1"}, "title", 100, true);
+  EXPECT_FALSE(forced.resumed());
+  EXPECT_FALSE(forced.load(chunk_name("motion", 0)));
+}
+
+TEST(Part, RefusesASecondWriterEvenWithForce) {
+  const TemporaryFolder folder;
+  Part first(folder / "x.h5.part", kKey, "title", 100, false);
+  EXPECT_NE(refusal(folder / "x.h5.part", kKey).find("another run"), std::string::npos);
+  EXPECT_NE(refusal(folder / "x.h5.part", kKey, true).find("another run"), std::string::npos);
+}
+
+TEST(Part, NeverEmptiesAFolderThatIsNotItsOwn) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "x.h5.part");
+  std::ofstream(folder / "x.h5.part/diary.txt") << "dear diary";
+  EXPECT_NE(refusal(folder / "x.h5.part", kKey, true), "");
+  EXPECT_TRUE(fs::exists(folder / "x.h5.part/diary.txt"));
+}
+
+// A torn or damaged chunk counts as absent, so its steps are computed again.
+TEST(Part, TakesNoDamagedChunk) {
+  const TemporaryFolder folder;
+  Part part(folder / "p", kKey, "title", 100, false);
+  part.save("truth-0000000", std::string(1000, 'x'));
+  for (const std::streamoff at : {0, 8, 23, 24, 700, 1023}) {
+    part.save("truth-0000050", std::string(1000, 'x'));
+    overwrite(folder / "p/truth-0000050", at, '!');
+    EXPECT_FALSE(part.load("truth-0000050")) << "byte " << at;
+  }
+  for (const std::uintmax_t size : {0, 7, 24, 500, 1023}) {
+    part.save("truth-0000100", std::string(1000, 'x'));
+    fs::resize_file(folder / "p/truth-0000100", size);
+    EXPECT_FALSE(part.load("truth-0000100")) << "size " << size;
+  }
+  EXPECT_TRUE(part.load("truth-0000000"));
+}
+
+// A chunk is of its run: one of another configuration is never taken even where one is found.
+TEST(Part, NeverTakesTheChunksOfAnotherRun) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  const PartKey other{.config_sha256 = "c2", .program_sha256 = "p1"};
+  { Part(path, kKey, "title", 100, false).save("motion-0000000", "theirs"); }
+  fs::copy_file(path / "motion-0000000", folder / "kept");
+  Part mine(path, other, "title", 100, true);
+  EXPECT_FALSE(mine.resumed());
+  EXPECT_FALSE(fs::exists(path / "motion-0000000"));
+  fs::copy_file(folder / "kept", path / "motion-0000000");
+  EXPECT_FALSE(mine.load("motion-0000000"));
+}
+
+// ... and of its step: until 29 November 2026 a chunk copied under the name of another was taken, and the run ended
+// with another digest and code 0.
+TEST(Part, NeverTakesAChunkUnderAnotherName) {
+  const TemporaryFolder folder;
+  Part part(folder / "p", kKey, "title", 100, false);
+  part.save("answers-0000000", "of step 0");
+  fs::copy_file(folder / "p/answers-0000000", folder / "p/answers-0000050");
+  EXPECT_FALSE(part.load("answers-0000050"));
+  EXPECT_EQ(part.load("answers-0000000"), "of step 0");
+}
+
+// A folder that looks like ours, by a lock or by some manifest, was emptied without --force, and with it.
+TEST(Part, ErasesNothingInAFolderThatIsNotKnownAsItsOwn) {
+  const char* const kForeign[] = {
+      R"({"name":"my web page"})", "{", "[]", R"({"kind":7,"steps":3})",
+      R"({"config_sha256":"c1","inputs_sha256":"","program_sha256":"p1","title":"title","steps":100})"};
+  for (const bool force : {false, true}) {
+    for (const char* manifest : kForeign) {
+      const TemporaryFolder folder;
+      const fs::path path = folder / "p";
+      fs::create_directory(path);
+      std::ofstream(path / "manifest.json") << manifest;
+      std::ofstream(path / "motion-0000000") << "a film";
+      EXPECT_NE(refusal(path, kKey, force).find("in the way"), std::string::npos) << manifest;
+      EXPECT_EQ(names_in(path), (std::set<std::string>{"manifest.json", "motion-0000000"})) << manifest;
+    }
+    const TemporaryFolder folder;
+    const fs::path path = folder / "p";
+    fs::create_directory(path);
+    std::ofstream(path / "lock") << "";
+    std::ofstream(path / "truth-0000000") << "mine";
+    EXPECT_NE(refusal(path, kKey, force).find("in the way"), std::string::npos);
+    EXPECT_EQ(names_in(path), (std::set<std::string>{"lock", "truth-0000000"}));
+  }
+}
+
+TEST(Part, LeavesWhatOthersPutIntoItsFolder) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  const PartKey other{.config_sha256 = "c2", .program_sha256 = "p1"};
+  { Part(path, kKey, "title", 100, false).save("motion-0000000", "1"); }
+  std::ofstream(path / "notes.txt") << "mine";
+  fs::create_directory(path / "truth-0000050");
+  fs::create_symlink(folder / "elsewhere", path / "truth-0000100");
+  const std::set<std::string> foreign{"notes.txt", "truth-0000050", "truth-0000100"};
+  {
+    Part part(path, other, "title", 100, true);
+    EXPECT_FALSE(fs::exists(path / "motion-0000000"));
+    part.save("motion-0000000", "2");
+    testing::internal::CaptureStderr();
+    part.remove();
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find(" is in it); it is of no more use"), std::string::npos) << said;
+  }
+  EXPECT_EQ(names_in(path), foreign);
+}
+
+TEST(Part, IsNoLink) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "elsewhere");
+  fs::create_directory_symlink(folder / "elsewhere", folder / "p");
+  EXPECT_NE(refusal(folder / "p", kKey).find("not a folder"), std::string::npos);
+  EXPECT_TRUE(fs::is_empty(folder / "elsewhere"));
+}
+
+// Chunks were written through whatever link stood at their name with ".new".
+TEST(Part, WritesThroughNoLink) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "precious") << "precious";
+  Part part(folder / "p", kKey, "title", 100, false);
+  for (const char* name : {"p/motion-0000000", "p/motion-0000000.new", "p/.motion-0000000.new"})
+    fs::create_symlink(folder / "precious", folder / name);
+  part.save("motion-0000000", "chunk");
+  EXPECT_EQ(part.load("motion-0000000"), "chunk");
+  EXPECT_EQ(text_of(folder / "precious"), "precious");
+}
+
+TEST(Part, ReadsThroughNoLinkAndTellsWhatItCannotRead) {
+  const TemporaryFolder folder;
+  Part part(folder / "p", kKey, "title", 100, false);
+  part.save("truth-0000000", "chunk");
+  fs::create_symlink("truth-0000000", folder / "p/motion-0000000");
+  fs::create_directory(folder / "p/motion-0000050");
+  mkfifo((folder / "p/answers-0000000").c_str(), 0600);
+  for (const auto& [name, what] : std::map<std::string, std::string>{{"motion-0000000", "is a symbolic link"},
+                                                                     {"motion-0000050", "is a folder"},
+                                                                     {"answers-0000000", "is a pipe"}}) {
+    try {
+      part.load(name);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), kFile);
+      EXPECT_NE(std::string(error.what()).find(name + ": " + what), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(Part, SweepsWhatAKillLeftWhileAChunkWasWritten) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  { Part(path, kKey, "title", 100, false).save("motion-0000000", "1"); }
+  for (const char* name : {".motion-0000050.0123abcd.new", ".manifest.json.89abcdef.new", ".notes.0123abcd.new"})
+    std::ofstream(path / name) << "half";
+  Part again(path, kKey, "title", 100, false);
+  EXPECT_TRUE(again.resumed());
+  EXPECT_EQ(names_in(path), (std::set<std::string>{".notes.0123abcd.new", "lock", "manifest.json", "motion-0000000"}));
+}
+
+// A kill before the first manifest leaves a folder with nothing but its lock, or with half a manifest.
+TEST(Part, TakesOverWhatAKillLeftAtTheVeryBeginning) {
+  for (const char* name : {"lock", ".manifest.json.0123abcd.new"}) {
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "p");
+    std::ofstream(folder / "p" / name) << "";
+    EXPECT_EQ(refusal(folder / "p", kKey), "") << name;
+  }
+}
+
+// A run that failed before it had anything leaves no folders, at any level.
+TEST(Part, LeavesNothingWhenNothingWasSaved) {
+  const TemporaryFolder folder;
+  { Part part(folder / "a/b/p", kKey, "title", 100, false); }
+  EXPECT_FALSE(fs::exists(folder / "a"));
+  { Part(folder / "a/b/p", kKey, "title", 100, false).save("truth-0000000", "1"); }
+  EXPECT_TRUE(fs::exists(folder / "a/b/p/truth-0000000"));
+}
+
+// Killed between the result's rename and the folder's removal: the next run clears it away.
+TEST(Part, ACompleteFolderIsRemovedOnlyWhenItIsCompleteAndFree) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  {
+    Part part(path, kKey, "title", 100, false);
+    part.save("truth-0000000", "1");
+    Part::remove_complete(path);
+    EXPECT_TRUE(fs::exists(path / "truth-0000000")) << "not complete";
+    part.mark_complete();
+    Part::remove_complete(path);
+    EXPECT_TRUE(fs::exists(path / "manifest.json")) << "another run holds it";
+  }
+  EXPECT_TRUE(Part(path, kKey, "title", 100, false).resumed()) << "complete is still the same run";
+  EXPECT_TRUE(fs::exists(path / "truth-0000000"));
+  Part::remove_complete(path);
+  EXPECT_FALSE(fs::exists(path));
+}
+
+TEST(Part, RefusesManifestsOfNonsense) {
+  const TemporaryFolder folder;
+  for (const char* text : {"", "{", "[]", "{\"steps\":\"x\"}", "{\"steps\":-1}", "{\"steps\":4000000000000000000}"}) {
+    fs::create_directories(folder / "p");
+    std::ofstream(folder / "p/manifest.json") << text;
+    EXPECT_THROW(part_status(folder / "p"), Error) << text;
+    EXPECT_NE(refusal(folder / "p", kKey), "") << text;
+  }
+}
+
+TEST(Part, SaysHowFarItIs) {
+  const TemporaryFolder folder;
+  Part part(folder / "p", kKey, "A title", 120, false);
+  part.save(chunk_name("motion", 0), "");
+  part.save(chunk_name("motion", 50), "");
+  part.save(chunk_name("motion", 100), "");
+  part.save(chunk_name("truth", 50), "");
+  const PartStatus status = part_status(folder / "p");
+  EXPECT_EQ(status.title, "A title");
+  EXPECT_EQ(status.steps, 120);
+  EXPECT_EQ(status.motion_steps, 120);
+  EXPECT_EQ(status.truth_steps, 50);
+  EXPECT_EQ(status.answered_steps, 0);
+  EXPECT_THROW(part_status(folder / "elsewhere"), Error);
+}
+
+TEST(Chunk, ReadsWhatWasWritten) {
+  ChunkWriter out;
+  out.put(std::vector<double>{1, -0.0, 2});
+  out.put(std::string("text"));
+  out.put(std::vector<std::uint64_t>{});
+  ChunkReader in(out.bytes);
+  EXPECT_EQ(in.get<double>(), (std::vector<double>{1, -0.0, 2}));
+  EXPECT_EQ(in.text(), "text");
+  EXPECT_TRUE(in.get<std::uint64_t>().empty());
+  EXPECT_THROW(in.get<char>(), std::logic_error);
+}
+
+// It asked the disk for every step that the manifest spoke of: 10^7 cases stalled `show`.
+TEST(Part, CountsWhatIsThere) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "manifest.json")
+      << R"({"kind":"collision benchmark checkpoint","title":"t","steps":10000000,"study":true})";
+  for (const char* name : {"case-0000003", "case-9999999", "case-10000000", "case-3", "case-0000004.new", "lock"})
+    std::ofstream(folder / name) << "x";
+  EXPECT_EQ(part_status(folder / "").cases, 2);
+  std::ofstream(folder / "manifest.json") << R"({"kind":"collision benchmark checkpoint","title":"t","steps":130})";
+  for (const char* name : {"motion-0000000", "motion-0000050", "truth-0000100", "answers-0000007", "truth-0000150"})
+    std::ofstream(folder / name) << "x";
+  const PartStatus status = part_status(folder / "");
+  EXPECT_EQ(status.motion_steps, 100);
+  EXPECT_EQ(status.truth_steps, 30);
+  EXPECT_EQ(status.answered_steps, 0);
+}
+
+TEST(Part, RefusesAManifestThatIsNone) {
+  const TemporaryFolder folder;
+  const auto code = [&] {
+    try {
+      part_status(folder / "");
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return kDone;
+  };
+  for (const std::string& text : {std::string("{\"steps\": 1"), std::string(10'000, '['), std::string(1 << 20, ' ')}) {
+    std::ofstream(folder / "manifest.json") << text;
+    EXPECT_EQ(code(), kFile);
+  }
+  fs::remove(folder / "manifest.json");
+  ASSERT_EQ(mkfifo((folder / "manifest.json").c_str(), 0600), 0);
+  EXPECT_EQ(code(), kFile);
+}
+
+// The count of a list is believed only as far as there are bytes.
+TEST(ChunkReader, AllocatesNothingForWhatIsNotThere) {
+  const std::uint64_t count = std::uint64_t{1} << 60;
+  const std::string bytes(reinterpret_cast<const char*>(&count), sizeof count);
+  ChunkReader reader(bytes);
+  EXPECT_THROW(reader.get<double>(), std::logic_error);
+}
