@@ -84,11 +84,11 @@ def test_without_a_fit_python3_it_is_said(tmp_path):
     assert done.returncode == FAILED and "scripts/setup installs them" in done.stderr
 
 
-@pytest.mark.parametrize("script", ["run", "setup", "report", "test", "bench"])
-def test_help_is_given_without_a_build(script, tmp_path):
+@pytest.mark.parametrize("script", ["run", "setup", "report", "test", "bench", "arrows"])
+def test_help_is_given_without_a_build_whatever_python3_is_first(script, tmp_path, elsewhere):
     shutil.copytree(ROOT / "scripts", tmp_path / "scripts")
     shutil.copytree(ROOT / "analysis", tmp_path / "analysis")
-    done = run(f"{tmp_path}/scripts/{script} --help", tmp_path, os.environ)
+    done = run(f"{tmp_path}/scripts/{script} --help", *elsewhere)
     assert done.returncode == DONE, done.stderr
     assert f"scripts/{script}" in done.stdout or "scripts/analysis report" in done.stdout
     assert not (tmp_path / "build").exists()
