@@ -215,7 +215,7 @@ Mesh sphere(const std::string& name, double radius, std::int64_t segments) {
 }
 
 Mesh box(const std::string& name, const Vec3& size) {
-  assert(size.minCoeff() > 0 && "the sides of a box are positive");
+  assert(size.minCoeff() >= 0 && "no side of a box is negative");
   Mesh mesh;
   mesh.name = name;
   mesh.shape = Json("box").add("size", size).text();
