@@ -26,7 +26,7 @@ namespace geometry {
 /// depth.
 Mesh sphere(const std::string& name, double radius, std::int64_t segments);
 
-/// The box -size/2 <= p <= size/2. Sides > 0.
+/// The box -size/2 <= p <= size/2. Sides >= 0: it may be flat.
 ///
 /// Vertex k: +x if k & 1, +y if k & 2, +z if k & 4. Facets: two for each of +z, -z, +x, -x, +y, -y.
 Mesh box(const std::string& name, const Vec3& size);
