@@ -205,7 +205,8 @@ struct Result {
   // Of studies of the integrators, which have nothing of the above but title and configuration.
   std::optional<std::vector<StudyRow>> study;
   Provenance provenance;
-  std::string digest;  // of the root; filled in by write and read
+  std::string digest;   // of the root; filled in by write and read
+  bool vouched = true;  // false: read although its seal did not hold, so what is written of it gets none
 
   std::size_t steps() const { return motion.size(); }
 };

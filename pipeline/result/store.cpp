@@ -167,8 +167,9 @@ class Writer {
   std::map<std::string, OpenScale> scales_;  // by path
 };
 
-/// The file's bytes, its seal among them. The same groups give the same bytes.
-std::vector<std::byte> image(const std::vector<Group>& groups, const std::map<std::string, std::string>& digests) {
+/// The file's bytes, its seal among them when it is `vouched` for. The same groups give the same bytes.
+std::vector<std::byte> image(const std::vector<Group>& groups, const std::map<std::string, std::string>& digests,
+                             bool vouched) {
   h5::silence();
   const h5::Properties access(H5Pcreate(H5P_FILE_ACCESS), "make properties");
   h5::check(H5Pset_fapl_core(access.id(), 16 << 20, false), "write into memory");
@@ -191,6 +192,7 @@ std::vector<std::byte> image(const std::vector<Group>& groups, const std::map<st
   std::vector<std::byte> bytes(size);
   bytes.reserve(size + 128);  // the seal, without a second copy
   h5::check(H5Fget_file_image(file.id(), bytes.data(), size), "copy the file");
+  if (!vouched) return bytes;  // the attribute stays: that the seal is missing is known
   const std::string seal = seal_of(bytes);
   std::ranges::copy(std::as_bytes(std::span(seal)), std::back_inserter(bytes));
   return bytes;
@@ -627,7 +629,7 @@ void write_result(Result& result, Target& target) {
   try {
     const auto groups = layout(result);
     const auto all = digests(groups);
-    target.write(image(groups, all));
+    target.write(image(groups, all, result.vouched));
     result.digest = all.at("/");
   } catch (const h5::Failure& failure) {
     throw Error(kFile, std::string("the result: ") + failure.what() + "; please report this");
@@ -652,6 +654,7 @@ Result read_result(const path& path, bool unsealed) {
           stderr, "warning: %s: %s; its digests hold, its times and attributes are vouched for by nobody\n",
           one_line(place, 4096).c_str(),
           read.older ? "is not sealed, as results of older programs" : "is read although its seal does not hold");
+    read.result.vouched = seal == Seal::holds || read.older;
     return std::move(read.result);
   } catch (const std::bad_alloc&) {
     throw too_little_memory(place);

@@ -105,6 +105,16 @@ def test_own_datasets_are_read_when_asked_for_and_it_is_said(tmp_path):
         load(path, unsealed=True)
 
 
+def test_detect_does_not_vouch_for_what_was_read_unsealed(tmp_path):
+    path = shutil.copy(BOX, tmp_path / "x.h5")
+    with h5py.File(path, "r+") as file:
+        file["summary/time_mean_ns"][...] = 1
+    run = pipeline("detect", path, "--unsealed", "--algorithm", "aabb@again", "--quiet")
+    assert run.returncode == DONE and "vouched for by nobody" in one_line(run)
+    refused(str(path), "its seal is missing")
+    assert pipeline("show", path, "--unsealed").returncode == DONE
+
+
 def test_detect_seals_what_it_writes(tmp_path):
     path = shutil.copy(BOX, tmp_path / "x.h5")
     assert pipeline("detect", path, "--algorithm", "aabb@again", "--quiet").returncode == DONE
