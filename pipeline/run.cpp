@@ -23,6 +23,7 @@
 #include "pipeline/system/threads.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
+#include "pipeline/terminal/words.hpp"
 #include "pipeline/trial.hpp"
 
 namespace pipeline {
@@ -220,6 +221,10 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   if (missing) read_result(file, options.unsealed);    // throws what is wrong
   Target target(real, Existing::update);
   Result result = read_result(real, options.unsealed);
+  if (!result.foreign.empty())
+    throw Error(
+        kFile, file.string() + ": holds '" + one_line(result.foreign.front()) +
+                   "', which is not this program's and would be lost; take it out first, or work on a copy without it");
   if (result.study)
     throw Error(kFile,
                 file.string() + ": is a study of the integrators, without poses to answer; name a result of a scene");

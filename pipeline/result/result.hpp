@@ -207,6 +207,8 @@ struct Result {
   Provenance provenance;
   std::string digest;   // of the root; filled in by write and read
   bool vouched = true;  // false: read although its seal did not hold, so what is written of it gets none
+  std::vector<std::string>
+      foreign;  // objects at the root of the file read that are not this program's: not written again
 
   std::size_t steps() const { return motion.size(); }
 };

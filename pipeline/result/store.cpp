@@ -14,6 +14,7 @@
 #include <functional>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "pipeline/result/digest.hpp"
@@ -511,6 +512,21 @@ struct Read {
   bool older = false;  // from before there were seals
 };
 
+/// What lies at the root beside what a result holds.
+std::vector<std::string> foreign_objects(const Reader& from, const Result& result) {
+  std::set<std::string> ours;
+  for (const Group& group : layout(result)) {
+    ours.insert(group.path.substr(1, group.path.find('/', 1) - 1));
+    if (group.path == "/")
+      for (const Dataset& dataset : group.datasets) ours.insert(dataset.path.substr(1));
+  }
+  std::vector<std::string> foreign;
+  constexpr std::uint64_t kMostObjects = 10'000;
+  for (const std::string& name : from.names_in("/", kMostObjects))
+    if (!ours.contains(name)) foreign.push_back(name);
+  return foreign;
+}
+
 /// Reads and checks everything but a seal that is there. Before memory is taken for values, `wanted` hears of them.
 Read read_checked(const InputFile& file, const std::string& place, Seal seal, bool unsealed,
                   const std::function<void(std::uint64_t)>& wanted = {}) {
@@ -528,6 +544,7 @@ Read read_checked(const InputFile& file, const std::string& place, Seal seal, bo
           kFile, place + ": was changed or damaged since it was written (its seal is missing)" + unsealed_remedy(seal));
     Read read{read_all(reader), older};
     check_content(reader, read.result);
+    if (seal != Seal::holds) read.result.foreign = foreign_objects(reader, read.result);
     return read;
   } catch (const h5::Failure& failure) {
     // HDF5's words for it, wherever in it malloc gave nothing: that alone is no damage.

@@ -115,6 +115,16 @@ def test_detect_does_not_vouch_for_what_was_read_unsealed(tmp_path):
     assert pipeline("show", path, "--unsealed").returncode == DONE
 
 
+def test_detect_refuses_to_lose_what_others_added(tmp_path):
+    path = shutil.copy(BOX, tmp_path / "x.h5")
+    with h5py.File(path, "r+") as file:
+        file["mine/notes"] = "kept"
+    before = path.read_bytes()
+    run = pipeline("detect", path, "--unsealed", "--algorithm", "aabb@again", "--quiet")
+    assert run.returncode == FILE and "holds 'mine', which is not this program's and would be lost" in run.stderr
+    assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]
+
+
 def test_detect_seals_what_it_writes(tmp_path):
     path = shutil.copy(BOX, tmp_path / "x.h5")
     assert pipeline("detect", path, "--algorithm", "aabb@again", "--quiet").returncode == DONE
