@@ -534,7 +534,14 @@ Read read_checked(const InputFile& file, const std::string& place, Seal seal, bo
     return Error(kFile, place + ": is damaged: " + what + "; copy it again, or run again with --force");
   };
   try {
-    const h5::File opened = open_result(file.opened_path(), place);
+    const h5::File opened = [&] {
+      try {
+        return open_result(file.opened_path(), place);
+      } catch (const Error&) {  // HDF5 asks for the real path of what it opens: one that was replaced has none
+        if (!file.in_place()) throw Error(kFile, place + ": was changed by another program meanwhile; read it again");
+        throw;
+      }
+    }();
     h5::check_links(opened.id());
     const Reader reader(opened.id(), file.size(), wanted);
     check_schema(reader, place);

@@ -40,6 +40,11 @@ path InputFile::opened_path() const {
   return access(link.c_str(), R_OK) == 0 ? link : path_;  // a system without /proc
 }
 
+bool InputFile::in_place() const {
+  struct stat there;
+  return stat(path_.c_str(), &there) == 0 && there.st_dev == status_.st_dev && there.st_ino == status_.st_ino;
+}
+
 bool InputFile::same_as(const InputFile& other) const {
   const struct stat &a = status_, &b = other.status_;
   return a.st_dev == b.st_dev && a.st_ino == b.st_ino && a.st_size == b.st_size &&

@@ -24,6 +24,8 @@ class InputFile {
   std::uint64_t size() const { return static_cast<std::uint64_t>(status_.st_size); }
   /// A path by which libraries open this very file, whatever stands at its own path by now.
   std::filesystem::path opened_path() const;
+  /// Whether its own path still leads to it.
+  bool in_place() const;
   /// Whether both are the same file, unchanged.
   bool same_as(const InputFile& other) const;
 

@@ -31,6 +31,18 @@ TEST(Foreign, ReadsARegularFileUpToItsBound) {
   EXPECT_EQ(text_of_file(folder / "link", 7, ""), "content");
 }
 
+TEST(Foreign, KnowsWhetherItsPathStillLeadsToIt) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a") << "content";
+  std::ofstream(folder / "b") << "content";
+  const InputFile file(folder / "a", "");
+  EXPECT_TRUE(file.in_place());
+  std::filesystem::rename(folder / "b", folder / "a");
+  EXPECT_FALSE(file.in_place());
+  std::filesystem::remove(folder / "a");
+  EXPECT_FALSE(file.in_place());
+}
+
 TEST(Foreign, OpensNothingElse) {
   const TemporaryFolder folder;
   ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0600), 0);
