@@ -53,7 +53,7 @@ void turned_by(const double* q, const double* rate, double* w) {
   w[2] = 2 * (-q[3] * rate[0] - q[2] * rate[1] + q[1] * rate[2] + q[0] * rate[3]);
 }
 
-/// By cofactors; SymMat's own is not implemented.
+/// By cofactors: Simbody 3.7's own inverse of a SymMat33 ends in an assertion of its own (SymMat::lowerIx).
 SymMat33 inverse(const SymMat33& m) {
   const double xx = m(0, 0), yy = m(1, 1), zz = m(2, 2), xy = m(1, 0), xz = m(2, 0), yz = m(2, 1);
   const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;

@@ -25,7 +25,7 @@ def test_links_lead_to_files(page):
 
 @pytest.mark.parametrize("page", EVERY)
 def test_files_that_a_page_names_exist(page):
-    """Paths between backticks that begin with a folder of the project, without a placeholder in them."""
+    """Paths between backticks that begin with a folder of the project; that of the example of an own method aside."""
     text = (ROOT / page).read_text(encoding="utf-8")
     for path in re.findall(r"`((?:geometry|algorithms|pipeline|analysis|tests|configs|scripts)/[\w./]+)`", text):
         if "my_method" not in path:
