@@ -7,8 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-LIBRARY = "fcl_"  # names of algorithms that are another library's
-
 
 @dataclass(frozen=True)
 class Scene:
@@ -72,7 +70,7 @@ def _points(runs):
                     "promise": answers.get("promise", "none"),
                     "unit": answers.get("operations_unit", ""),
                     "exact": answers.get("promise") == "exact",
-                    "library": answers.get("name", label).startswith(LIBRARY),
+                    "library": bool(answers.get("library")),
                     "machine": machine(answers),
                 }
                 | row.to_dict()
