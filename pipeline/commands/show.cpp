@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/commands/command.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/stages/extremes.hpp"
@@ -385,6 +386,7 @@ std::string result_json(const Result& result, const std::string& path) {
                                   {"matthews", row.matthews},
                                   {"operations", row.operations},
                                   {"operations_unit", answers.operations_unit},
+                                  {"library", answers.library},
                                   {"time_mean_ns", row.time_mean_ns},
                                   {"time_median_ns", row.time_median_ns},
                                   {"time_p95_ns", row.time_p95_ns}});
@@ -424,6 +426,28 @@ std::string part_json(const PartStatus& status, const std::string& path) {
                      {"truth_steps", status.truth_steps},
                      {"answered_steps", status.answered_steps}};
   return dumped(json);
+}
+
+void add_show(CLI::App& program, int& code) {
+  struct Options {
+    std::string file;
+    bool digests = false, unsealed = false, json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App& command = *program.add_subcommand("show", "Summary, provenance and digest of a result");
+  add_file(command, o->file, "Result file, or the FILE.part of an unfinished run");
+  add_digests(command, o->digests);
+  add_unsealed(command, o->unsealed);
+  add_json(command, o->json);
+  command.callback([o, &code] {
+    if (std::filesystem::is_directory(o->file)) {
+      put((o->json ? part_json : part_text)(part_status(o->file), o->file));
+    } else {
+      const Result result = read_result(o->file, o->unsealed);
+      put(o->json ? result_json(result, o->file) : result_text(result, o->digests));
+    }
+    code = 0;
+  });
 }
 
 }  // namespace pipeline
