@@ -398,7 +398,7 @@ std::string result_json(const Result& result, const std::string& path) {
   return dumped(json);
 }
 
-std::string part_text(const PartStatus& status, const std::string& path) {
+std::string checkpoint_text(const CheckpointStatus& status, const std::string& path) {
   if (status.study)
     return status.title + "\n" + path + ": an unfinished study; the same `pipeline run` resumes it\n" +
            print("%lld of %lld cases\n", static_cast<long long>(status.cases), static_cast<long long>(status.steps));
@@ -411,7 +411,7 @@ std::string part_text(const PartStatus& status, const std::string& path) {
          line("detect", status.answered_steps);
 }
 
-std::string part_json(const PartStatus& status, const std::string& path) {
+std::string checkpoint_json(const CheckpointStatus& status, const std::string& path) {
   if (status.study)
     return dumped(Json{{"file", path},
                        {"complete", false},
@@ -441,7 +441,7 @@ void add_show(CLI::App& program, int& code) {
   add_json(command, o->json);
   command.callback([o, &code] {
     if (std::filesystem::is_directory(o->file)) {
-      put((o->json ? part_json : part_text)(part_status(o->file), o->file));
+      put((o->json ? checkpoint_json : checkpoint_text)(checkpoint_status(o->file), o->file));
     } else {
       const Result result = read_result(o->file, o->unsealed);
       put(o->json ? result_json(result, o->file) : result_text(result, o->digests));
