@@ -3,7 +3,7 @@
 import json
 import subprocess
 
-import coverage
+import interval_trials
 import numpy as np
 import pytest
 
@@ -17,24 +17,24 @@ SEED = 20261129
 @pytest.mark.parametrize("factor", [0.0, 0.5])
 def test_the_interval_holds_a_known_ratio_in_19_of_20_trials(factor):
     # 300 trials of 95 to 96 % give 285 to 288 +- 3.8; plain percentiles of 12 blocks hold it in 89 %, 267.
-    share, _ = coverage.coverage(300, 600, factor, SEED)
+    share, _ = interval_trials.coverage(300, 600, factor, SEED)
     assert 0.92 <= share <= 0.985, f"seed {SEED}"
 
 
 def test_plain_percentiles_would_not():
     """The reason why the bootstrap is studentised."""
-    times, others = coverage.times(np.random.default_rng(SEED), 300, 600, 0.5)
+    times, others = interval_trials.times(np.random.default_rng(SEED), 300, 600, 0.5)
     held = 0
     for one, other in zip(times, others):
         a, b = intervals.blocks(one), intervals.blocks(other)
         chosen = intervals.draws(len(a))
         low, high = np.quantile(a[chosen].sum(1) / b[chosen].sum(1), (0.025, 0.975))
-        held += low <= coverage.RATIO <= high
+        held += low <= interval_trials.RATIO <= high
     assert held / 300 < 0.92, f"seed {SEED}"
 
 
 def test_noise_is_made_as_it_was_measured():
-    noise = coverage.autoregression(np.random.default_rng(SEED), 200, 600, 0.5)
+    noise = interval_trials.autoregression(np.random.default_rng(SEED), 200, 600, 0.5)
     assert noise.std() == pytest.approx(1, rel=0.02)
     assert np.mean(noise[:, 1:] * noise[:, :-1]) == pytest.approx(0.5, abs=0.03)
     assert np.mean(noise[:, 3:] * noise[:, :-3]) == pytest.approx(0.125, abs=0.03)

@@ -1,6 +1,6 @@
 """How often the intervals of analysis/tables/intervals.py hold a ratio that is known: times made up for trials.
 
-    scripts/python tests/coverage.py        # 2,000 trials each; prints one line for every kind of noise
+    scripts/python tests/interval_trials.py        # 2,000 trials each; prints one line for every kind of noise
 
 What the noise is like was measured on padani (600 steps, three repeats, eight labels timed twice in one run, four
 processors busy with other work). The logarithm of the ratio of a label with itself has a standard deviation of 0.013 to
