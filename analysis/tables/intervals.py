@@ -41,6 +41,16 @@ def ratio(times, others):
     return _interval(blocks(times), blocks(others))
 
 
+def apart(mean, other):
+    """The ratio of two means with intervals that come from different runs, with its interval: deviations add by
+    squares."""
+    value = mean.value / other.value
+    if not (mean.known and other.known):
+        return Interval(value)
+    half = np.hypot(np.log(mean.high / mean.value), np.log(other.high / other.value))
+    return Interval(value, float(value * np.exp(-half)), float(value * np.exp(half)))
+
+
 def alike(ratio, floor=None):
     """Whether a ratio tells no difference: its interval holds 1, or lies within the noise floor (an Interval of a label
     with itself, either way round). False where the interval is not known."""
