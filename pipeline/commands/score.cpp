@@ -11,7 +11,7 @@
 #include "pipeline/result/store.hpp"
 #include "pipeline/stages/summary.hpp"
 #include "pipeline/stages/truth.hpp"
-#include "pipeline/system/foreign.hpp"
+#include "pipeline/system/input_file.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/print.hpp"
 #include "pipeline/terminal/words.hpp"

@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/system/foreign.hpp"
+#include "pipeline/system/input_file.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 

@@ -22,7 +22,7 @@
 #include "pipeline/result/layout.hpp"
 #include "pipeline/result/seal.hpp"
 #include "pipeline/system/child.hpp"
-#include "pipeline/system/foreign.hpp"
+#include "pipeline/system/input_file.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 
