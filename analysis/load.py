@@ -39,7 +39,7 @@ class Run:
         steps: number of steps; rate: steps per second; bodies, algorithms: lists of names and labels;
         config, config_effective: TOML texts; run: dict of date, host, processor, wall_time_s;
         answers: dict label -> dict of name, knobs (JSON), promise, thesis_key, operations_unit, scope,
-        host, processor, build, date, digest; motion, truth: dicts of digest,
+        library (of somebody else's methods), host, processor, build, date, digest; motion, truth: dicts of digest,
         containment (if asked for).
         Of what a file lacks, the texts, lists and dicts are empty, steps 0 and rate NaN.
     """

@@ -10,8 +10,6 @@ import pandas as pd
 from analysis.tables import intervals
 from analysis.tables.intervals import Interval
 
-LIBRARY = "fcl_"  # names of algorithms that are another library's
-
 
 @dataclass(frozen=True)
 class Scene:
@@ -76,7 +74,7 @@ def _points(runs):
                     "promise": answers.get("promise", "none"),
                     "unit": answers.get("operations_unit", ""),
                     "exact": answers.get("promise") == "exact",
-                    "library": answers.get("name", label).startswith(LIBRARY),
+                    "library": bool(answers.get("library")),
                     "machine": machine(answers),
                     "times": run.step_times.get(label, np.zeros(0)),
                     "floor": run.noise,

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "pipeline/commands/command.hpp"
 #include "pipeline/commands/export_folder.hpp"
 #include "pipeline/result/output_file.hpp"
 #include "pipeline/result/provenance.hpp"
@@ -258,6 +259,35 @@ fs::path write_vtk(const Result& result, const ExportOptions& options) {
     throw Error(kFile, place.string() + ": " + failure.what() + "; free or allow the place, or choose another --vtk");
   }
   return path;
+}
+
+void add_export(CLI::App& program, int& code) {
+  struct Options : ExportOptions {
+    std::string file, steps_text = ":", folder_text;
+    bool unsealed = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App& command = *program.add_subcommand("export", "Write steps as VTP files that ParaView opens");
+  add_file(command, o->file);
+  command.add_option("--vtk", o->folder_text, "Folder for the files and their .pvd index")
+      ->option_text("DIR")
+      ->required()
+      ->check(named("a folder"));
+  add_steps(command, o->steps_text);
+  command.add_flag("--force", o->force, "Replace an earlier export in the folder");
+  command.add_flag("--quiet", o->quiet, "No progress on stderr; the index's path is printed alone");
+  add_unsealed(command, o->unsealed);
+  command.callback([o, &code] {
+    stop_on_signals();
+    const Result result = whole_result(o->file, o->unsealed);
+    o->folder = o->folder_text;
+    o->name = export_name(o->file);
+    o->steps = step_range(o->steps_text, result.steps(), o->file);
+    const std::uint64_t mebibytes = (export_bytes(result, *o) >> 20) + 1;
+    if (!o->quiet) put(std::to_string(o->steps.size()) + " steps, about " + std::to_string(mebibytes) + " MiB\n");
+    put(write_vtk(result, *o).string() + "\n");
+    code = kDone;
+  });
 }
 
 }  // namespace pipeline

@@ -217,6 +217,14 @@ def test_the_front_is_what_nothing_dominates(seed):
         assert found[i] != beaten, f"seed {seed}: {cost} {error}"
 
 
+def test_which_methods_are_of_a_library_is_told_by_the_file(result_file):
+    run = load(result_file)
+    label = run.meta["algorithms"][0]
+    run.meta["answers"][label]["library"] = "FCL 0.7.0"
+    told = pareto.scenes([run])[0].points
+    assert list(told.label[told.library]) == [label]
+
+
 def test_sweeps_join_labels_that_differ_in_one_number():
     knobs = [
         {"stride": 5, "strip": "a"},
