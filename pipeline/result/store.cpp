@@ -649,7 +649,7 @@ void try_reading(const InputFile& file, const path& path, Seal seal, bool unseal
 
 std::map<std::string, std::string> digests(const Result& result) { return digests(layout(result)); }
 
-void write_result(Result& result, Target& target) {
+void write_result(Result& result, OutputFile& target) {
   try {
     const auto groups = layout(result);
     const auto all = digests(groups);
@@ -661,7 +661,7 @@ void write_result(Result& result, Target& target) {
 }
 
 void write_result(Result& result, const path& path) {
-  Target target(path, Existing::replace);
+  OutputFile target(path, Existing::replace);
   write_result(result, target);
 }
 
