@@ -7,6 +7,7 @@
 
 #include "pipeline/commands/command.hpp"
 #include "pipeline/config.hpp"
+#include "pipeline/result/columns.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/stages/extremes.hpp"
 #include "pipeline/stages/passes.hpp"
@@ -374,23 +375,15 @@ std::string result_json(const Result& result, const std::string& path) {
                                   {"thesis_key", answers.thesis_key},
                                   {"knobs", Json::parse(answers.knobs)},
                                   {"promise", answers.promise},
-                                  {"promise_kept", row.promise_kept},
                                   {"scope", answers.scope},
-                                  {"hits", row.hits},
-                                  {"true_positive", row.true_positive},
-                                  {"false_positive", row.false_positive},
-                                  {"false_negative", row.false_negative},
-                                  {"error", row.error},
-                                  {"precision", row.precision},
-                                  {"recall", row.recall},
-                                  {"matthews", row.matthews},
-                                  {"operations", row.operations},
                                   {"operations_unit", answers.operations_unit},
-                                  {"library", answers.library},
-                                  {"time_mean_ns", row.time_mean_ns},
-                                  {"time_median_ns", row.time_median_ns},
-                                  {"time_p95_ns", row.time_p95_ns}});
-    if (row.contained_hit) json["algorithms"].back()["contained_hit"] = *row.contained_hit;
+                                  {"library", answers.library}});
+    each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
+      if constexpr (!is_optional<T>)
+        json["algorithms"].back()[column.name] = row.*column.member;
+      else if (row.*column.member)
+        json["algorithms"].back()[column.name] = *(row.*column.member);
+    });
   }
   if (result.passes) json["passes"] = passes_json(result);
   if (result.extremes) json["extremes"] = extremes_json(result);
