@@ -155,10 +155,10 @@ def costs(scene, points, key):
 
 def _costs_finding(points):
     words = []
-    for column, verb, text in (("setup_ns", "takes longest to set up", time), ("memory_greatest_bytes", "takes most memory", memory)):
+    for column, does, text in (("setup_ns", "takes longest to set up", time), ("memory_greatest_bytes", "takes most memory", memory)):
         if points[column].notna().any():
             most = points.loc[points[column].idxmax()]
-            words.append(f"{most.label} {verb}, {text(most[column])}")
+            words.append(f"{most.label} {does}, {text(most[column])}")
     return "; ".join(words)
 
 

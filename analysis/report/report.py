@@ -58,7 +58,7 @@ set-up and memory: What a method makes once for the bodies of a run, no part of 
     then, and the most at any time.
 operations: The elementary tests an algorithm really made, its cheap rejections and its prefilter's included: a cost
     that is the same on every machine.
-promise: conservative: never misses a pair that truly meets; exact: neither misses nor reports falsely; none. A miss that
+promise: conservative: never misses a pair that truly meets; exact: neither misses one nor reports another; none. A miss that
     vanishes when boxes and radii grow by 2^-40 of their size is rounding and breaks nothing.
 scope: A pairwise method visits every pair; a whole-scene method has a broad phase of its own and is drawn hollow.
 Pareto front: The labels for which no other is at most as costly and at most as wrong, and better in one of the two.
