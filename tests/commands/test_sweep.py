@@ -18,6 +18,7 @@ from program import DONE, FAILED, FILE, INPUT, INTERRUPTED, PIPELINE, USAGE
 
 from analysis.load import load, load_sweep
 from analysis.sweep import plan
+from analysis.sweep.__main__ import Job
 from analysis.sweep.plan import Refused, point_name, points, read, toml, value_text
 
 SMALL = """title = "Small"
@@ -274,7 +275,7 @@ def test_a_folder_of_a_sweep_is_no_result(swept):
 
 @pytest.fixture
 def copied(swept, tmp_path):
-    """The six points in a folder that a test may change; inodes tell what was run again."""
+    """The six points in a folder that a test may change."""
     shutil.copytree(swept[0], tmp_path / "again", copy_function=shutil.copy2)
     return tmp_path / "again"
 
@@ -290,37 +291,51 @@ def test_a_rerun_repeats_nothing_that_is_done(copied):
     assert again == set() and "6 points: 4 done, 2 not; 2 of them in" in done.stdout and done.returncode == FAILED
 
 
-@pytest.mark.parametrize("what, again", [
-    ("missing", {"segments=4,seed=2"}),
-    ("cut", {"segments=4,seed=2"}),
-    ("died", {"segments=4,seed=2"}),
-    ("value", {"segments=5,seed=1", "segments=5,seed=2"}),
-    ("set", {f"segments={n},seed={s}" for n in (4, 6) for s in (1, 2)}),
-    ("configuration", {f"segments={n},seed={s}" for n in (4, 6) for s in (1, 2)}),
-    ("program", {f"segments={n},seed={s}" for n in (4, 6) for s in (1, 2)}),
+def test_a_rerun_repeats_what_is_missing_and_ends_alike(copied):
+    before = {name: point.get("digest") for name, point in manifest(copied).items()}
+    (copied / "out" / "points" / "segments=4,seed=2.h5").unlink()
+    again, _ = repeated(copied)
+    assert again == {"segments=4,seed=2"}
+    assert {name: point.get("digest") for name, point in manifest(copied).items()} == before
+
+
+@pytest.mark.parametrize("what, why", [
+    ("cut", {"segments=4,seed=2": "its result is missing or another"}),
+    ("died", {"segments=4,seed=2": "died"}),
+    ("stopped", {"segments=4,seed=2": "stopped"}),
+    ("no state", {"segments=4,seed=2": "missing"}),
+    ("damaged state", {"segments=4,seed=2": "missing"}),
+    ("value", {"segments=5,seed=1": "missing", "segments=5,seed=2": "missing"}),
+    ("set", {f"segments={n},seed={s}": "settings changed" for n in (4, 6) for s in (1, 2)}),
+    ("options", {f"segments={n},seed={s}": "settings changed" for n in (4, 6) for s in (1, 2)}),
+    ("configuration", {f"segments={n},seed={s}": "configuration changed" for n in (4, 6) for s in (1, 2)}),
+    ("program", {f"segments={n},seed={s}": "program changed" for n in (4, 6) for s in (1, 2)}),
 ])  # fmt: skip
-def test_a_rerun_repeats_what_is_missing_failed_or_changed(copied, what, again):
+def test_what_is_missing_failed_or_changed_is_to_be_repeated(copied, what, why):
     result, state = (copied / "out" / "points" / f"segments=4,seed=2{ending}" for ending in (".h5", ".json"))
-    options = ["-j", "2"]
-    if what == "missing":
-        result.unlink()
-    elif what == "cut":
+    text, program = (copied / "s.toml").read_text(), PIPELINE
+    if what == "cut":
         result.write_bytes(result.read_bytes()[:-1])
-    elif what == "died":
-        state.write_text(json.dumps(json.loads(state.read_text()) | {"status": "running"}))
+    elif what in ("died", "stopped"):
+        state.write_text(json.dumps(json.loads(state.read_text()) | {"status": {"died": "running"}.get(what, what)}))
+    elif what == "no state":
+        state.unlink()
+    elif what == "damaged state":
+        state.write_text("{")
     elif what == "value":
-        written(copied, (copied / "s.toml").read_text().replace("[4, 6, 0]", "[4, 6, 5]"))
+        text = text.replace("[4, 6, 0]", "[4, 6, 5]")
     elif what == "set":
-        written(copied, (copied / "s.toml").read_text().replace("steps = 3", "steps = 2"))
+        text = text.replace("steps = 3", "steps = 2")
+    elif what == "options":
+        text = 'options = ["--digests"]\n' + text
     elif what == "configuration":
-        (copied / "small.toml").write_text((copied / "small.toml").read_text().replace("height  = 4", "height  = 4.5"))
+        (copied / "small.toml").write_text((copied / "small.toml").read_text() + "\n")
     elif what == "program":
-        (copied / "program").write_text(f'#!/bin/sh\nexec "{PIPELINE}" "$@"\n')
-        (copied / "program").chmod(0o755)
-        options += ["--program", copied / "program"]
-    found, _ = repeated(copied, *options)
-    assert found == again
-    assert all(point["status"] == "done" for name, point in manifest(copied).items() if not name.startswith("segments=0"))
+        program = copied / "program"
+        program.write_text("another")
+    found = Job(read(written(copied, text)), None, str(program), str(copied / "out"), "", None).again
+    assert {name: reason for name, reason in found.items() if not name.startswith("segments=0")} == why
+    assert what == "value" or {found["segments=0,seed=1"], found["segments=0,seed=2"]} == {"failed"}
 
 
 def test_an_input_that_changed_is_a_reason_to_repeat(folder):
