@@ -9,6 +9,8 @@
     bodies, motion          one row per body; poses as arrays
     study                   one row per case of a study of integrators
 
+load_sweep(folder) gives all points of a sweep (scripts/sweep) as one table, a row per point and label.
+
 Steps and counts are integers (int64, uint64), times in ns int64 (float64 in summary), everything else float64 in SI
 units; labels and names are text. What a file does not have is None or a table without rows, as each says.
 
@@ -29,6 +31,7 @@ from analysis import intact
 from analysis.tables.intervals import Interval
 
 SCHEMA_VERSION = 1  # the newest that this module knows
+SWEEP = "sweep.json"  # what makes a folder one of a sweep
 
 
 @dataclass(frozen=True)
@@ -328,6 +331,8 @@ def load(path, unsealed=False):
     """
     path = os.fspath(path)
     if os.path.isdir(path):
+        if os.path.exists(os.path.join(path, SWEEP)):
+            raise ValueError(f"{path}: is the folder of a sweep; load_sweep reads it, load one of its points/*.h5")
         if os.path.exists(os.path.join(path, "manifest.json")) or path.rstrip("/").endswith(".part"):
             raise ValueError(f"{path}: is an unfinished run; the command that began it finishes it")
         raise ValueError(f"{path}: is a folder, not a result")
@@ -335,6 +340,47 @@ def load(path, unsealed=False):
         raise FileNotFoundError(f"{path}: there is no such file")
     meta, mark = intact.checked(path, lambda file: _meta(path, file), unsealed)
     return Run(path, meta, mark)
+
+
+def load_sweep(folder):
+    """A sweep as one frame: a row per point and label, and one of a point that failed, with label "".
+
+    Columns: point (its name), a column per parameter of the sweep (text, int or float), status ("done", "failed", ...),
+    reason, exit_code (float), host, processor, build, began (seconds since 1970), wall_time_s, digest, steps, bodies, truth_hits; label, algorithm, and
+    the columns of Run.summary (float64; NaN where a point failed). attrs: sweep, title, parameters (their names), folder.
+    Raises OSError when there is no such folder, ValueError when it is not one of a sweep, in a line that starts with it.
+    """
+    folder = os.fspath(folder)
+    path = os.path.join(folder, SWEEP)
+    if not os.path.isdir(folder):
+        raise FileNotFoundError(f"{folder}: there is no such folder")
+    if not os.path.exists(path):
+        raise ValueError(f"{folder}: is not the folder of a sweep (it has no {SWEEP})")
+    try:
+        with open(path, encoding="utf-8") as file:
+            table = sweep_frame(json.load(file))
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise ValueError(f"{path}: is damaged ({type(error).__name__}: {error})") from error
+    table.attrs["folder"] = folder
+    return table
+
+
+def sweep_frame(manifest):
+    """The frame of load_sweep from what sweep.json holds."""
+    told = ["status", "reason", "exit_code", "host", "processor", "build", "began", "wall_time_s", "digest", "steps", "bodies", "truth_hits"]
+    texts, rows = ["reason", "host", "processor", "build", "digest"], []
+    for point in manifest["points"]:
+        parameters = {name: point["parameters"][name] for name in manifest["parameters"]}
+        of_point = {"point": point["name"]} | parameters | {name: point.get(name) for name in told}
+        of_point |= {name: of_point[name] or "" for name in texts}
+        rows += [of_point | row for row in point.get("summary") or [{"label": "", "algorithm": ""}]]
+    table = pd.DataFrame(rows, columns=list(dict.fromkeys(name for row in rows for name in row)))
+    kept = {"point", "label", "algorithm", "status", *texts, *manifest["parameters"], "knobs", "promise", "scope", "operations_unit"}
+    for name in table.columns:
+        if name not in kept:
+            table[name] = table[name].astype(float)
+    table.attrs = {"sweep": manifest["sweep"], "title": manifest["title"], "parameters": list(manifest["parameters"])}
+    return table
 
 
 def _meta(path, file):

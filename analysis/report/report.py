@@ -4,7 +4,7 @@ import json
 
 import pandas as pd
 
-from analysis.figures import error as plots_error, extremes as extremes_figures, study as study_figures, thesis as thesis_figures
+from analysis.figures import error as plots_error, extremes as extremes_figures, study as study_figures, sweep as sweep_figures, thesis as thesis_figures
 from analysis.report import findings
 from analysis.tables import pareto
 from analysis.figures.figure import Section, Table, Text
@@ -70,6 +70,12 @@ def report(runs):
     titles = " / ".join(dict.fromkeys(pareto.title(run) for run in runs))
     found = pareto.scenes(runs)
     return page(f"Collision benchmark: {titles}", lead(runs, found), warnings(runs, found), sections(runs, found))
+
+
+def sweep_report(table):
+    """The HTML of a report on a sweep, the frame of load_sweep; the same files give the same bytes."""
+    title = f"Collision benchmark: {table.attrs['title']}"
+    return page(title, sweep_figures.lead(table), sweep_figures.warnings(table), [*sweep_figures.sections(table), definitions()])
 
 
 def sections(runs, found):

@@ -56,7 +56,7 @@ constexpr NamedText kShapes[] = {
     {"torus_knot", "radius, tube, radial_segments (32), tubular_segments (32), p (2), q (3): axis z"},
 };
 
-std::vector<NamedText> named(const std::string& what) {
+std::vector<NamedText> rows_of(const std::string& what) {
   if (what == "shapes") return {std::begin(kShapes), std::end(kShapes)};
   std::vector<NamedText> rows;
   if (what == "scenes")
@@ -175,7 +175,7 @@ std::string list_text(const std::string& what) {
   if (what == "datasets") return datasets_text();
   std::string text;
   if (what != "algorithms") {
-    for (const NamedText& row : named(what)) text += print("%-20s %s", row.name, row.what) + "\n";
+    for (const NamedText& row : rows_of(what)) text += print("%-20s %s", row.name, row.what) + "\n";
     return text;
   }
   for (const algorithms::Algorithm& row : algorithms::all()) text += algorithm_text(row);
@@ -189,7 +189,7 @@ std::string list_json(const std::string& what) {
   if (what == "datasets") return dumped(datasets_json());
   Json json = Json::array();
   if (what != "algorithms") {
-    for (const NamedText& row : named(what)) json.push_back({{"name", row.name}, {"what", row.what}});
+    for (const NamedText& row : rows_of(what)) json.push_back({{"name", row.name}, {"what", row.what}});
     return dumped(json);
   }
   for (const algorithms::Algorithm& row : algorithms::all()) json.push_back(algorithm_json(row));
