@@ -111,7 +111,7 @@ def costs(scene, points, key):
         "memory at the most (KiB)": points.memory_greatest_bytes / 1024,
         "mean time (µs)": points.time_mean_ns / 1e3,
         "error": points.error,
-    })  # fmt: skip
+    })
     drawn = points.iloc[:NAMED]
     rest = "" if len(drawn) == len(points) else f" The {NAMED} fastest of {len(points)} are drawn, all are below."
     unknown = list(points.label[points.memory_bytes.isna()])
@@ -183,7 +183,7 @@ def kinds(scene, key):
         "false negatives": points.false_negative.astype("int64"),
         "false positives": points.false_positive.astype("int64"),
         "error": points.error,
-    })  # fmt: skip
+    })
     drawn = table.iloc[:NAMED]
     rest = (
         ""
