@@ -4,6 +4,7 @@
 #include <map>
 
 #include "pipeline/config.hpp"
+#include "pipeline/scene/scene.hpp"
 #include "pipeline/study/problem.hpp"
 
 namespace pipeline {
