@@ -10,7 +10,7 @@
 #include "geometry/decision/contain.hpp"
 #include "geometry/meshes/mesh_file.hpp"
 #include "pipeline/result/store.hpp"
-#include "pipeline/scene/input_file.hpp"
+#include "pipeline/scene/mesh_input.hpp"
 #include "pipeline/scene/poses_csv.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/terminal/error.hpp"
@@ -155,9 +155,7 @@ geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene) {
       }
       bodies.meshes.push_back(std::move(mesh));
     }
-    bodies.name.push_back(body.name);
-    bodies.mesh.push_back(at->second);
-    bodies.fixed.push_back(body.fixed);
+    bodies.add(body.name, at->second, body.fixed);
   }
   if (config.containment != Containment::ignore && !any_closed)
     throw Error(kInput, first_open->first.place + " of body '" + first_open->first.name +

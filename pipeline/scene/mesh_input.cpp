@@ -1,4 +1,4 @@
-#include "pipeline/scene/input_file.hpp"
+#include "pipeline/scene/mesh_input.hpp"
 
 #include <fcntl.h>
 
