@@ -28,6 +28,7 @@ import numpy as np
 import pandas as pd
 
 from analysis import intact
+from analysis.tables.intervals import Interval
 
 SCHEMA_VERSION = 1  # the newest that this module knows
 SWEEP = "sweep.json"  # what makes a folder one of a sweep
@@ -41,7 +42,7 @@ class Run:
         steps: number of steps; rate: steps per second; bodies, algorithms: lists of names and labels;
         config, config_effective: TOML texts; run: dict of date, host, processor, wall_time_s;
         answers: dict label -> dict of name, knobs (JSON), promise, thesis_key, operations_unit, scope,
-        host, processor, build, date, digest; motion, truth: dicts of digest,
+        library (of somebody else's methods), host, processor, build, date, digest; motion, truth: dicts of digest,
         containment (if asked for).
         Of what a file lacks, the texts, lists and dicts are empty, steps 0 and rate NaN.
     """
@@ -77,10 +78,31 @@ class Run:
 
         Columns: hits, true_positive, false_positive, false_negative (uint64, pairs over all steps), contained_hit where
         it is recorded; operations (uint64); error, precision, recall, matthews (float64, 1; NaN for 0/0); time_mean_ns,
-        time_median_ns, time_p95_ns (float64, ns per step); promise_kept (bool).
+        time_median_ns, time_p95_ns (float64, ns per step); promise_kept (bool). In files that have them, NaN where
+        nothing is known: time_mean_low_ns and time_mean_high_ns, a 95 % interval of the mean; processor_mean_ns;
+        setup_ns; memory_bytes and memory_greatest_bytes, heap after set-up and the most (all float64).
         """
         table = pd.DataFrame(self._columns("summary"), index=pd.Index(self.meta["algorithms"], name="algorithm"))
         return table.astype({"promise_kept": bool}) if len(table.columns) else table
+
+    @cached_property
+    def noise(self):
+        """The noise floor: the ratio of the mean time of the first label, timed twice, to itself (an Interval); None
+        when it was not asked for ([timing] noise). No smaller difference of times is one."""
+        with self.opened() as file:
+            if "noise" not in file:
+                return None
+            known = file["noise"].attrs
+            return Interval(*(float(known[name]) for name in ("ratio", "ratio_low", "ratio_high")))
+
+    @cached_property
+    def step_times(self):
+        """label -> time per step (float64, S, ns); empty when the file has no times per step."""
+        table, labels = self.per_step, self.meta["algorithms"]
+        if "time_ns" not in table or not labels:
+            return {}
+        times = table["time_ns"].to_numpy(dtype=float).reshape(-1, len(labels))
+        return {label: times[:, place] for place, label in enumerate(labels)}
 
     @cached_property
     def physics(self):
