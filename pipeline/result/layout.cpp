@@ -349,6 +349,17 @@ Group answers(const Answers& answers, const Sizes& n) {
               {},
               true};
   if (!answers.library.empty()) group.attributes.push_back({"library", answers.library});
+  if (const auto& foreign = answers.foreign)
+    group.attributes.insert(group.attributes.end(), {{"transport", foreign->transport},
+                                                     {"command", foreign->command},
+                                                     {"files_sha256", foreign->files},
+                                                     {"version", foreign->version},
+                                                     {"language", foreign->language},
+                                                     {"precision", foreign->precision},
+                                                     {"threads", foreign->threads},
+                                                     {"status", std::string(failed(answers) ? "failed" : "complete")},
+                                                     {"reason", foreign->reason},
+                                                     {"steps_done", foreign->steps_done}});
   add_pairs(group, answers.hits, "pairs of bodies that the algorithm reported", n);
   return group;
 }
