@@ -29,6 +29,11 @@ std::vector<Algorithm> with_prefilters(std::vector<Algorithm> table) {
   return table;
 }
 
+std::deque<Algorithm>& those_of_others() {
+  static std::deque<Algorithm> rows;
+  return rows;
+}
+
 }  // namespace
 
 const std::vector<Algorithm>& all() {
@@ -52,8 +57,14 @@ const std::vector<Algorithm>& all() {
   return table;
 }
 
+const std::deque<Algorithm>& added() { return those_of_others(); }
+
+void add(Algorithm row) { those_of_others().push_back(std::move(row)); }
+
 const Algorithm* find(std::string_view name) {
   for (const Algorithm& algorithm : all())
+    if (algorithm.name == name) return &algorithm;
+  for (const Algorithm& algorithm : added())
     if (algorithm.name == name) return &algorithm;
   return nullptr;
 }

@@ -3,6 +3,8 @@
 // To add one: a file pair whose .cpp ends in a function that returns its row, and one line in all.cpp.
 #pragma once
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -100,8 +102,11 @@ struct Algorithm {
   std::string operations_unit;  // what `count` counts
   Promise promise = Promise::none;
   Scope scope = Scope::pair;
+  std::string precision = "double";  // of the arithmetic that decides
+  std::string version = {};          // of the library of others that answers, where there is one
+  std::string library_sha256 = {};   // of a library whose code belongs into a child process; empty: of this program
   std::vector<Knob> knobs = {};
-  std::unique_ptr<Method> (*make)(const Bodies& bodies, const Knobs& knobs) = nullptr;
+  std::function<std::unique_ptr<Method>(const Bodies& bodies, const Knobs& knobs)> make = nullptr;
   /// What `make` would take, told from sizes alone: quick however much that is. Within a factor of 1.5 from 100 KiB on.
   /// Throws what `make` throws for knobs that do not fit the meshes. Null: not known, counted as a copy of the meshes.
   Memory (*memory)(const Bodies& bodies, const Knobs& knobs) = nullptr;
@@ -113,7 +118,13 @@ Memory memory(const Algorithm& row, const Bodies& bodies, const Knobs& knobs);
 /// Every algorithm, in the thesis's order; those of other sources follow.
 const std::vector<Algorithm>& all();
 
-/// The row of that name, or nullptr.
+/// Rows of libraries of others that were added, in order. None is ever moved.
+const std::deque<Algorithm>& added();
+
+/// Adds a row whose name no other has.
+void add(Algorithm row);
+
+/// The row of that name, of both lists; or nullptr.
 const Algorithm* find(std::string_view name);
 
 /// The knobs of `algorithm`, all at their presets.
