@@ -13,11 +13,13 @@ double sum_abs(const Vec3& v) { return (std::abs(v.x()) + std::abs(v.y())) + std
 /// A lower bound of how far the origin lies behind the plane of the triangle; 0 when it is in front, or when
 /// rounding leaves it open.
 ///
-/// With u = 2^-53, s = |e|_1 |f|_1 and k = |p|_1: a component of the computed n = e x f differs from the exact one by
-/// at most 6 u s, hence n.p by less than (6 + 4) u s k and |n| by less than 11 u s. 32 u = 2^-48 covers both with
-/// room, and the last factor covers the square root, the division and the subtractions.
+/// With u = 2^-53, s = |e|_1 |f|_1 and k = |p|_1, of the computed n = e x f:
+///   |error of a component of n| <= 6 u s                                                                         (1)
+///   |error of n.p| < (6 + 4) u s k,   |error of |n|| < 11 u s                                                    (2)
+///   kSlack = 2^-48 = 32 u                                                                                        (3)
+/// covers both of (2) with room, and the last factor the square root, the division and the subtractions.
 double distance_behind(const Vec3& p, const Vec3& q, const Vec3& r) {
-  constexpr double kSlack = 0x1p-48, kLeast = 1e-250;  // below kLeast products may have underflowed
+  constexpr double kSlack = 0x1p-48, kLeast = 1e-250;  // (3); below kLeast products may have underflowed
   const Vec3 e = q - p, f = r - p;
   const Vec3 n(e.y() * f.z() - e.z() * f.y(), e.z() * f.x() - e.x() * f.z(), e.x() * f.y() - e.y() * f.x());
   const double s = sum_abs(e) * sum_abs(f);

@@ -309,7 +309,8 @@ Stage Looks::look(const std::vector<std::vector<Pose>>& poses) {
 }
 
 Seconds range(const std::vector<Stage>& stages, const Config& config) {
-  // How far whole runs of configs/ were from what was foreseen for them, on a machine busy with other work too: pipeline/README.md.
+  // How far whole runs of configs/ were from what was foreseen for them, on a machine busy with other work too:
+  // pipeline/README.md.
   const double spread = config.study ? 3 : 2;
   double sum = 0;
   for (const Stage& stage : stages) sum += stage.seconds();

@@ -5,17 +5,24 @@
 // points of the smaller, p in the world, are brought into that frame as q ~ R^T (p - t), and parts of the tree whose
 // boxes q is not near are left out. What is left is placed as the definition places it, and compared.
 //
-// Why no hit is lost. With m = max_distance, u = 2^-53, v a local point of the tree, w = to_world(R, t, v), |v| <= S:
-// - A sum below the rounded m^2 means |p - w| <= D = m (1 + 2^-50) + 1e-160; the last term is for squares that
-// underflow.
-// - w = R v + t + e with |e| <= 8 u (S + |t|), and R^T R = I + E with |E| <= 2^-44, which is looked at.
-// - So R^T (p - t) = v + E v + R^T (e + p - w), and q is that within 8 u |p - t|, where |p - t| <= 2 (S + |t| + D):
-//   |q - v| <= D + 2^-43 (S + |t| + D).
-// - A point is left out beyond m + 2^-42 (S + |t| + m) + 1e-150 on some axis, or from a ball. The slack of 2^-43 of it
-//   all is far more than the roundings of boxes, sums and squares here, each some 2^-50 of the same lengths.
-// - Should p - t or what follows overflow, p is beyond 1e300 or not a number: it is left out, and is near nothing,
-// since
-//   S and |t| are below 1e100. Bodies that are not so, or whose R is no rotation, are searched exhaustively.
+// Why no hit is lost. With m = max_distance, u = 2^-53, v a local point of the tree, w = to_world(R, t, v), |v| <= S: a
+// sum below the rounded m^2 means, where the last term is for squares that underflow,
+//   |p - w| <= D = m (1 + 2^-50) + 1e-160                                                                       (1)
+//
+// The world point has a rounding error e, and the matrix a defect E, which is looked at:
+//   w = R v + t + e,   |e| <= 8 u (S + |t|),   R^T R = I + E,   |E| <= 2^-44                                    (2)
+//
+// So R^T (p - t) = v + E v + R^T (e + p - w), and q is that within 8 u |p - t|, where |p - t| <= 2 (S + |t| + D):
+//   |q - v| <= D + 2^-43 (S + |t| + D)                                                                          (3)
+//
+// A point is left out when, on some axis or from a ball, it is beyond
+//   m + kMargin (S + |t| + m) + 1e-150,   kMargin = 2^-42                                                       (4)
+//
+// The slack of 2^-43 of it all between (3) and (4) is far more than the roundings of boxes, sums and squares here, each
+// some 2^-50 of the same lengths.
+//
+// Should p - t or what follows overflow, p is beyond 1e300 or not a number: it is left out, and is near nothing, since
+// S and |t| are below 1e100. Bodies that are not so, or whose R is no rotation, are searched exhaustively.
 #include "algorithms/thesis/facet_distance.hpp"
 
 #include <algorithm>
@@ -35,7 +42,7 @@ using geometry::Points;
 using geometry::PointTree;
 using geometry::Vec3;
 
-constexpr double kMargin = 0x1p-42;  // of lengths, as derived above
+constexpr double kMargin = 0x1p-42;  // of lengths: (4)
 
 /// A body's sampled facet points in local space, metres.
 Points sampled(const geometry::Mesh& mesh, double facets_per_area, bool densify) {

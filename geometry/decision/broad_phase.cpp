@@ -1,28 +1,39 @@
 // Boxes of bodies from pose and mesh alone, and the pairs that touch.
 //
-// The letters: u = 2^-53; R the nine doubles of rotation(q), taken as they are; t the position; v a vertex; c, h, s the
+// The letters. u = 2^-53; R the nine doubles of rotation(q), taken as they are; t the position; v a vertex; c, h, s the
 // enclosure's centre, half and radius, so that |v_k - c_k| <= h_k and |v - c| <= s.
 //
 // World vertex. Row i of to_world passes each r_k v_k through four roundings (product, two sums, the sum with t) and
 // t_i through one. With S = sum |r_k| |v_k|, its error is at most
-//   e = ((1 + u)^4 - 1) S + u |t_i| + 3 x 2^-1074   <=   4.01 u (S + |t_i|) + 2^-1072.
-// World box. r . v + t_i lies within r . c + t_i +- x, where x = sum |r_k| h_k. With P = sum |r_k| (|c_k| + h_k) +
-// |t_i|, which bounds S + |t_i|, the errors are: of the vertex 4.01 u P, of the computed middle r . c + t_i
-// another 4.01 u P, of x computed 3.01 u x, of middle -+ (x + pad) 2.01 u P and a rounding of pad: less than 14 u P in
-// all. P computed is too small by 5 u P at most. So pad = 16 u P + 2^-1060 covers everything. By the sphere. |r . (v -
-// c)| <= |R| s, and |R| <= 1 + kDefect where the quaternion is near unit (below). The product s (1 + 2 kDefect) rounds
-// to more than (1 + kDefect) s, so it may stand for x; P is as before. The smaller x is taken.
+//   e = ((1 + u)^4 - 1) S + u |t_i| + 3 x 2^-1074 <= 4.01 u (S + |t_i|) + 2^-1072                               (1)
 //
-// Defect. With w, v the parts of q and N = w^2 + |v|^2, the exact matrix of the formula is M = 1 + 2 w [v] + 2 [v]^2,
-// [v] being the cross product with v, and by [v]^4 = -|v|^2 [v]^2
-//   M^T M = 1 + 4 (1 - N) [v]^2,   so |M^T M - 1| <= 4 |1 - N| |v|^2.
-// The computed N differs from N by at most 4.01 u N, so within 1e-15 < 9.01 u of 1 it leaves |1 - N| <= 13.1 u and the
-// defect of M at most 52.5 u. Entries of R: 2 (yy + zz) and 2 (xy - wz) pass through two roundings each, the diagonal's
-// last subtraction through one more: errors are below 2 (1 + 13.1 u) 2.01 u + u < 5.1 u on the diagonal and, since
-// |xy| + |wz| <= N / 2, below 2.1 u beside it (and 2^-1072 for underflow). So |R - M| <= sqrt(3 x 5.1^2 + 6 x 2.1^2) u
-// < 10.3 u and
-//   |R^T R - 1| <= 52.5 u + 2 x 10.3 u (1 + 27 u) + (10.3 u)^2 < 74 u < 2^-46 = 128 u = kDefect,
-// and |R v|^2 <= (1 + kDefect) |v|^2.
+// World box. With x = sum |r_k| h_k and P = sum |r_k| (|c_k| + h_k) + |t_i|, which bounds S + |t_i|,
+//   r . v + t_i lies within r . c + t_i +- x                                                                    (2)
+//
+// The errors are: of the vertex 4.01 u P by (1), of the computed middle r . c + t_i another 4.01 u P, of x computed
+// 3.01 u x, of middle -+ (x + pad) 2.01 u P and a rounding of pad: less than 14 u P in all. P computed is too small by
+// 5 u P at most. All is covered by
+//   pad = 2^-49 P + 2^-1060 = 16 u P + 2^-1060                                                                  (3)
+//
+// By the sphere. |R| <= 1 + kDefect where the quaternion is near unit, by (9). The product s (1 + 2 kDefect) rounds to
+// more than (1 + kDefect) s, so it may stand for x; P is as before. The smaller x is taken:
+//   |r . (v - c)| <= |R| s <= (1 + kDefect) s                                                                   (4)
+//
+// Defect. With w, v the parts of q and N = w^2 + |v|^2, [v] being the cross product with v, the exact matrix of the
+// formula is M, and by [v]^4 = -|v|^2 [v]^2 its defect is
+//   M = 1 + 2 w [v] + 2 [v]^2                                                                                   (5)
+//   M^T M = 1 + 4 (1 - N) [v]^2,   so |M^T M - 1| <= 4 |1 - N| |v|^2                                            (6)
+//
+// The computed N differs from N by at most 4.01 u N, so within 1e-15 < 9.01 u of 1 it leaves |1 - N| <= 13.1 u:
+//   |M^T M - 1| <= 52.5 u                                                                                       (7)
+//
+// Entries of R: 2 (yy + zz) and 2 (xy - wz) pass through two roundings each, the diagonal's last subtraction through
+// one more: errors are below 2 (1 + 13.1 u) 2.01 u + u < 5.1 u on the diagonal and, since |xy| + |wz| <= N / 2, below
+// 2.1 u beside it (and 2^-1072 for underflow):
+//   |R - M| <= sqrt(3 x 5.1^2 + 6 x 2.1^2) u < 10.3 u                                                           (8)
+//
+// With (7), and hence |R v|^2 <= (1 + kDefect) |v|^2:
+//   |R^T R - 1| <= 52.5 u + 2 x 10.3 u (1 + 27 u) + (10.3 u)^2 < 74 u < 2^-46 = 128 u = kDefect                 (9)
 #include "geometry/decision/broad_phase.hpp"
 
 #include <algorithm>
@@ -36,7 +47,7 @@ namespace geometry {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRelative = 0x1p-49, kUnderflow = 0x1p-1060;
+constexpr double kRelative = 0x1p-49, kUnderflow = 0x1p-1060;  // of pad: (3)
 
 /// Not less than the exact result of an expression of at most eight roundings, none of a difference, that gave x >= 0.
 double rounded_up(double x) { return x * (1 + 0x1p-49) + kUnderflow; }

@@ -33,7 +33,7 @@ struct Placement {
   bool born;
 };
 
-/// How far the rotation made of a quaternion within 1e-15 of unit can be from orthonormal; proved in the source.
+/// How far the rotation made of a quaternion within 1e-15 of unit can be from orthonormal: (9) of the source.
 constexpr double kDefect = 0x1p-46;
 
 /// The box that holds every world vertex of a body, as rounded by to_world. The whole space where a bound overflows.

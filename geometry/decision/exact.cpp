@@ -48,14 +48,20 @@ Normal normal(const Vec3& p, const Vec3& q, const Vec3& r) {
 
 // Error of dot(normal(p, q, r).n, s - p), with u = 2^-53 and h = 2^-1075, the greatest absolute error of a product that
 // underflows (sums and differences never lose anything to underflow). A component of the normal passes through four
-// roundings (two differences, a product, a sum), the dot product through four more (a difference, a product, two sums):
-// without underflow the error is at most ((1 + u)^8 - 1) P < 8.1 u P, P being the sum of the absolute triple products.
-// P is itself computed, from below by no more than (1 - u)^8. Hence 16 u covers it twice. Underflow adds at most 3 h to
-// a component of the normal and its magnitude, which the difference d multiplies, and 3 h to each dot product: less
-// than 10 h (1 + |dx| + |dy| + |dz|), covered by kUnderflow many times. Overflow gives an infinite or undefined bound,
-// with which no comparison is true: nothing is certified then.
-constexpr double kRelative = 0x1p-49;
-constexpr double kUnderflow = 0x1p-1060;
+// roundings (two differences, a product, a sum), the dot product through four more (a difference, a product, two sums).
+// With P the sum of the absolute triple products, without underflow
+//   |error| <= ((1 + u)^8 - 1) P < 8.1 u P                                                                      (1)
+//
+// P is itself computed, from below by no more than (1 - u)^8. Covered twice by
+//   kRelative = 2^-49 = 16 u                                                                                    (2)
+//
+// Underflow adds at most 3 h to a component of the normal and its magnitude, which the difference d multiplies, and 3 h
+// to each dot product, covered by kUnderflow many times:
+//   |error by underflow| < 10 h (1 + |dx| + |dy| + |dz|) < kUnderflow (1 + |dx| + |dy| + |dz|)                  (3)
+//
+// Overflow gives an infinite or undefined bound, with which no comparison is true: nothing is certified then.
+constexpr double kRelative = 0x1p-49;     // (2)
+constexpr double kUnderflow = 0x1p-1060;  // (3)
 
 /// The error of dot(normal.n, d) for every |d| <= reach.
 double bound(const Normal& normal, const Vec3& reach) {

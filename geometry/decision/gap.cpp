@@ -6,19 +6,29 @@
 // what evaluates a guess has its rounding bounded.
 //
 // Rounding. Two triangles are moved by a corner of the first and scaled by a power of two so that every coordinate is
-// at most 2 in magnitude (Frame below). With u = 2^-53, in that frame:
-// - A corner has the error of one difference, 2 u per coordinate; scaling is exact but for what underflows, 2^-1075.
-// - upper(): a point p = c0 + (s (c1 - c0) + t (c2 - c0)) with s, t >= 0 whose computed sum is at most 1. Edges are at
-//   most 4 per coordinate: 2 x 4 u for their rounding, 2 x 4 u for the products, 8 u and 10 u for the sums, 2 u for the
-//   corners themselves; a true sum s + t up to 1 + u puts p at most 8 u beside the triangle: below 64 u per coordinate.
-//   g = q - p, at most 4 per coordinate up to rounding, has 128 u + 5 u, hence |g| has 133 sqrt(3) u, and 7 x 3 u for
-//   its own computation. Below 2^8 u in all.
-// - lower(): n is divided by its computed length, so |n| is 1 within 5 u and coordinates are at most 1 + u. A dot
-//   product with a corner has 3 x 2 u for products, 4 u and 6 u for the sums and 3 x 2 u for the corner: 22 u. A
-//   difference of two is at most 12 and rounds by 12 u: 56 u. |n| takes 12 x 5 u more. Below 2^7 u in all.
-// kError is 2^9 u: each bound is moved outwards by it, which covers the derived ones twice, and the rounding of that
-// very sum. Where the frame overflows, its coordinates are not finite, no comparison below is true and the bounds are
-// 0 and infinity.
+// at most 2 in magnitude (Frame below). u = 2^-53, and all is in that frame. A corner has the error of one difference;
+// scaling is exact but for what underflows, 2^-1075:
+//   |error of a coordinate of a corner| <= 2 u                                                                  (1)
+//
+// upper() takes points p = c0 + (s (c1 - c0) + t (c2 - c0)) with s, t >= 0 whose computed sum is at most 1. Edges are
+// at most 4 per coordinate: 2 x 4 u for their rounding, 2 x 4 u for the products, 8 u and 10 u for the sums, 2 u by
+// (1), and 8 u because a true sum s + t of up to 1 + u puts p beside the triangle:
+//   |error of a coordinate of p| <= 8 u + 8 u + 8 u + 10 u + 2 u + 8 u < 64 u                                   (2)
+//
+// g = q - p is at most 4 per coordinate up to rounding and has 128 u + 5 u, hence |g| has 133 sqrt(3) u, and 7 x 3 u
+// for its own computation:
+//   |error of |g|| < 133 sqrt(3) u + 21 u < 2^8 u                                                               (3)
+//
+// lower() divides n by its computed length, so |n| is 1 within 5 u and coordinates are at most 1 + u. A dot product
+// with a corner has 3 x 2 u for products, 4 u and 6 u for the sums and 3 x 2 u by (1): 22 u. A difference of two is at
+// most 12 and rounds by 12 u; |n| takes 12 x 5 u more:
+//   |error of the distance along n| < 2 x 22 u + 12 u + 60 u < 2^7 u                                            (4)
+//
+// Each bound is moved outwards by what covers (3) and (4) twice, and the rounding of that very sum:
+//   kError = 2^9 u = 2^-44                                                                                      (5)
+//
+// Where the frame overflows, its coordinates are not finite, no comparison below is true and the bounds are 0 and
+// infinity.
 #include "geometry/decision/gap.hpp"
 
 #include <algorithm>
@@ -37,7 +47,7 @@ using geometry::dot;
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kError = 0x1p-44;  // in the frame of two triangles, derived above
+constexpr double kError = 0x1p-44;  // in the frame of two triangles: (5)
 // Bounds are wanted this near to each other, of the bodies' joint extent: above 2 kError, below 1e-12.
 constexpr double kWidth = 0x1p-42;
 

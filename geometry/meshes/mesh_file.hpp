@@ -1,8 +1,8 @@
 // Meshes from files: OBJ, OFF, STL and PLY, the last two as text or binary.
 //
 // Vertices and triangles are kept as the file has them, in its order: nothing is welded, dropped or turned, because
-// facets are counted in file order. Polygons are cut into triangles (geometry/decision/polygon.hpp). Text may begin with
-// a byte order mark and end its lines with LF, CR LF or CR; OFF and PLY that do not come out by lines are read by
+// facets are counted in file order. Polygons are cut into triangles (geometry/decision/polygon.hpp). Text may begin
+// with a byte order mark and end its lines with LF, CR LF or CR; OFF and PLY that do not come out by lines are read by
 // words. What the formats hold beside corners (normals, colours, textures) may hold anything. What has no surface
 // (faces of fewer than three corners, curves) or is not known (words of a header, what follows the announced elements)
 // is left out, and counted.

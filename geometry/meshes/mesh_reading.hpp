@@ -17,8 +17,8 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/meshes/mesh_file.hpp"
 #include "geometry/decision/polygon.hpp"
+#include "geometry/meshes/mesh_file.hpp"
 #include "geometry/text.hpp"
 
 namespace geometry::mesh_reading {

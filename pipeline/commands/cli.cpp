@@ -275,8 +275,8 @@ int dispatch(int argc, const char* const* argv) {
   }
   if (*show_command) {
     if (std::filesystem::is_directory(file)) {
-      const PartStatus status = part_status(file);
-      put(json ? part_json(status, file) : part_text(status, file));
+      const CheckpointStatus status = checkpoint_status(file);
+      put(json ? checkpoint_json(status, file) : checkpoint_text(status, file));
     } else {
       const Result result = read_result(file, options.unsealed);
       put(json ? result_json(result, file) : result_text(result, digests));

@@ -270,7 +270,7 @@ fs::path write_vtk(const Result& result, const ExportOptions& options) {
   fs::path place = options.folder;
   try {
     Written written(options.folder);
-    Target index_file(path, Existing::replace);  // two exports of one name do not mix
+    OutputFile index_file(path, Existing::replace);  // two exports of one name do not mix
     for (const std::string& name : earlier(options, written.folder())) {
       place = options.folder / name;
       if (!remove_regular(written.folder(), name)) throw FileFailure("is in the way and cannot be removed");

@@ -11,7 +11,7 @@
 #include "pipeline/result/store.hpp"
 #include "pipeline/stages/summary.hpp"
 #include "pipeline/stages/truth.hpp"
-#include "pipeline/system/foreign.hpp"
+#include "pipeline/system/input_file.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/print.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -192,7 +192,7 @@ std::string short_text(const std::string& text) {
 
 Score score(const Result& result, const std::filesystem::path& path, const ScoreOptions& options) {
   const std::string place = path.string();
-  std::optional<Target> target;
+  std::optional<OutputFile> target;
   if (options.write) target.emplace(path, Existing::update);
   const std::optional<Json> before = read_baseline(path, options.write);
   const Json now = baseline_of(result, options.times);

@@ -396,7 +396,7 @@ std::string result_json(const Result& result, const std::string& path) {
   return dumped(json);
 }
 
-std::string part_text(const PartStatus& status, const std::string& path) {
+std::string checkpoint_text(const CheckpointStatus& status, const std::string& path) {
   if (status.study)
     return status.title + "\n" + path + ": an unfinished study; the same `pipeline run` resumes it\n" +
            print("%lld of %lld cases\n", static_cast<long long>(status.cases), static_cast<long long>(status.steps));
@@ -409,7 +409,7 @@ std::string part_text(const PartStatus& status, const std::string& path) {
          line("detect", status.answered_steps);
 }
 
-std::string part_json(const PartStatus& status, const std::string& path) {
+std::string checkpoint_json(const CheckpointStatus& status, const std::string& path) {
   if (status.study)
     return dumped(Json{{"file", path},
                        {"complete", false},

@@ -22,7 +22,7 @@
 #include "pipeline/result/layout.hpp"
 #include "pipeline/result/seal.hpp"
 #include "pipeline/system/child.hpp"
-#include "pipeline/system/foreign.hpp"
+#include "pipeline/system/input_file.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 
@@ -649,7 +649,7 @@ void try_reading(const InputFile& file, const path& path, Seal seal, bool unseal
 
 std::map<std::string, std::string> digests(const Result& result) { return digests(layout(result)); }
 
-void write_result(Result& result, Target& target) {
+void write_result(Result& result, OutputFile& target) {
   try {
     const auto groups = layout(result);
     const auto all = digests(groups);
@@ -661,7 +661,7 @@ void write_result(Result& result, Target& target) {
 }
 
 void write_result(Result& result, const path& path) {
-  Target target(path, Existing::replace);
+  OutputFile target(path, Existing::replace);
   write_result(result, target);
 }
 

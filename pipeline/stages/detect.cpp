@@ -157,7 +157,7 @@ void refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choi
 
 std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<Pose>>& poses, const Truth& truth,
                             const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Machine& machine,
-                            const Part* part, Progress& progress) {
+                            const Checkpoint* part, Progress& progress) {
   std::vector<Answers> all;
   for (const AlgorithmChoice& choice : choices) {
     const algorithms::Algorithm& row = *algorithms::find(choice.name);

@@ -229,7 +229,8 @@ std::vector<ExtremeCase> extreme_rows(const Bodies& bodies, const Poses& poses, 
 
 ExtremesDetected detect_extremes(const Bodies& bodies, const Poses& poses, const Truth& truth,
                                  const std::vector<CaseSet>& sets, const std::vector<AlgorithmChoice>& choices,
-                                 std::int64_t repeats, const Machine& machine, const Part* part, Progress& progress) {
+                                 std::int64_t repeats, const Machine& machine, const Checkpoint* part,
+                                 Progress& progress) {
   ExtremesDetected all;
   {
     Progress silent("", 0, true);

@@ -49,7 +49,7 @@ std::string refusal(const std::string& keys, const std::string& root = "") {
 Truth truth_of(const Scene& scene, Containment containment = Containment::ignore) {
   const TemporaryFolder folder;
   const auto steps = std::int64_t(scene.script.size());
-  Part part(folder / "p", {}, "", steps, false);
+  Checkpoint part(folder / "p", {}, "", steps, false);
   Progress quiet("truth", 0, true);
   return decide(scene.bodies, scene.script, 1, part, quiet, containment);
 }
@@ -239,7 +239,7 @@ TEST(Extremes, ARefusalIsRecordedAndTheRestIsAnswered) {
   std::vector<AlgorithmChoice> choices = {parse_algorithm("facet_distance"), parse_algorithm("aabb")};
   Progress quiet("detect", 0, true);
   const TemporaryFolder folder;
-  Part part(folder / "p", {}, "", std::int64_t(scene.script.size()), false);
+  Checkpoint part(folder / "p", {}, "", std::int64_t(scene.script.size()), false);
   const auto found = detect_extremes(scene.bodies, scene.script, truth, scene.case_sets, choices, 1, {}, &part, quiet);
   ASSERT_EQ(found.cases.size(), 2u);
   for (std::size_t s = 0; s < scene.script.size(); ++s) {

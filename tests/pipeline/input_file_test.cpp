@@ -1,5 +1,5 @@
 // What is opened at all, and how deep JSON may be.
-#include "pipeline/system/foreign.hpp"
+#include "pipeline/system/input_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "pipeline/system/foreign.hpp"
+#include "pipeline/system/input_file.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
