@@ -77,14 +77,14 @@ static int overlap(const collision_method *m, uint32_t a, uint32_t b) {
 }
 
 /* hit[i] for the pairs (a, first + i), by squares; 0 when one came so close that only the square root may decide. */
-PROCESSOR_CLONES static int overlap_run(const double *restrict x, const double *restrict y, const double *restrict z,
-                                        const double *restrict r, collision_run run, uint8_t *restrict hit) {
-  const double ax = x[run.a], ay = y[run.a], az = z[run.a], ar = r[run.a];
+PROCESSOR_CLONES static int overlap_run(const double *x, const double *y, const double *z, const double *r, uint32_t a,
+                                        uint32_t first, uint32_t last, uint8_t *hit) {
+  const double ax = x[a], ay = y[a], az = z[a], ar = r[a];
   uint8_t doubt = 0;
-  for (uint32_t b = run.first; b < run.last; ++b) {
+  for (uint32_t b = first; b < last; ++b) {
     const double dx = ax - x[b], dy = ay - y[b], dz = az - z[b], reach = ar + r[b];
     const double square = dx * dx + dy * dy + dz * dz, reach_square = reach * reach;
-    hit[b - run.first] = square < reach_square;
+    hit[b - first] = square < reach_square;
     doubt |= fabs(square - reach_square) <= reach_square * 0x1p-50 + 1e-290;
   }
   return !doubt;
@@ -95,7 +95,7 @@ static int answer(collision_method *m, const collision_run *runs, uint64_t run_c
   for (uint64_t i = 0; i < run_count; ++i) {
     const collision_run run = runs[i];
     const uint32_t size = run.last - run.first;
-    if (!overlap_run(m->x, m->y, m->z, m->r, run, m->hit))
+    if (!overlap_run(m->x, m->y, m->z, m->r, run.a, run.first, run.last, m->hit))
       for (uint32_t k = 0; k < size; ++k) m->hit[k] = (uint8_t)overlap(m, run.a, run.first + k);
     memset(m->hit + size, 0, 8);
     for (uint32_t k = 0; k < size; k += 8) { /* hits are rare: eight answers are skipped at once */

@@ -23,14 +23,14 @@
 namespace {
 
 /// hit[i] for the pairs (a, first + i), by squares; false when one came so close that only the square root may decide.
-PROCESSOR_CLONES bool overlap_run(const double* __restrict x, const double* __restrict y, const double* __restrict z,
-                                  const double* __restrict r, collision_run run, std::uint8_t* __restrict hit) {
-  const double ax = x[run.a], ay = y[run.a], az = z[run.a], ar = r[run.a];
+PROCESSOR_CLONES bool overlap_run(const double* x, const double* y, const double* z, const double* r, std::uint32_t a,
+                                  std::uint32_t first, std::uint32_t last, std::uint8_t* hit) {
+  const double ax = x[a], ay = y[a], az = z[a], ar = r[a];
   std::uint8_t doubt = 0;
-  for (std::uint32_t b = run.first; b < run.last; ++b) {
+  for (std::uint32_t b = first; b < last; ++b) {
     const double dx = ax - x[b], dy = ay - y[b], dz = az - z[b], reach = ar + r[b];
     const double square = dx * dx + dy * dy + dz * dz, reach_square = reach * reach;
-    hit[b - run.first] = square < reach_square;
+    hit[b - first] = square < reach_square;
     doubt |= std::fabs(square - reach_square) <= reach_square * 0x1p-50 + 1e-290;
   }
   return !doubt;
@@ -74,7 +74,7 @@ struct collision_method {
 
   void answer(collision_run run, collision_hits* hits) {
     const std::uint32_t size = run.last - run.first;
-    if (!overlap_run(x.data(), y.data(), z.data(), r.data(), run, hit.data()))
+    if (!overlap_run(x.data(), y.data(), z.data(), r.data(), run.a, run.first, run.last, hit.data()))
       for (std::uint32_t k = 0; k < size; ++k) hit[k] = overlap(run.a, run.first + k);
     std::memset(hit.data() + size, 0, 8);
     for (std::uint32_t k = 0; k < size; k += 8) {  // hits are rare: eight answers are skipped at once
