@@ -302,7 +302,7 @@ std::vector<Algorithm> plugin_rows(const std::string& path) {
   std::set<std::string> taken;
   for (std::uint32_t i = 0; i < table->row_count; ++i) {
     rows.push_back(row_of(table->row[i], i + 1));
-    rows.back().version = version;
+    rows.back().library.version = version;
     if (!taken.insert(rows.back().name).second) refuse("two rows are named '" + rows.back().name + "'; rename one");
   }
   return rows;

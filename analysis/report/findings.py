@@ -7,8 +7,8 @@ unfinished integration, cases left out) come first.
 import numpy as np
 
 from analysis.figures import extremes as extremes_figures
-from analysis.tables import extremes, pareto, studies, study_tables
-from analysis.figures.drawing import NotDrawn, listed, plain, time_text
+from analysis.tables import extremes, intervals, pareto, studies, study_tables
+from analysis.figures.drawing import NotDrawn, listed, places, plain, time_text
 from analysis.figures.figure import Points, Section
 from analysis.figures.error import counted, number
 from analysis.figures.study import FAILED, OTHERWISE, causes, drift_words, follow_text, heads_of, steady
@@ -271,4 +271,9 @@ def algorithms(run):
             f"{quick.name} is quickest, {quick['error']:.3g} at {time_text(quick['time_mean_ns'])}.")  # fmt: skip
     if least.name == quick.name:
         text = f"Of {len(told)} labels {least.name} errs least and is quickest: {least['error']:.3g} at {time_text(least['time_mean_ns'])} a step."
+    times = {label: times for label, times in run.step_times.items() if label in told.index}
+    equals = [label for label, mine in times.items() if label != quick.name
+              and intervals.alike(intervals.ratio(mine, times[quick.name]), run.noise)]  # fmt: skip
+    if equals and len(places(run)) == 1:
+        text += f" {listed(equals)} {'is' if len(equals) == 1 else 'are'} as fast as {quick.name}: their times do not differ."
     return [text]

@@ -312,20 +312,18 @@ std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::
     answers.thesis_key = text("thesis_key");
     answers.operations_unit = text("operations_unit");
     answers.scope = one_of(from, path, "scope", {"pair", "scene"});
+    if (from.has_attribute(path, "library")) answers.library = text("library");
     answers.machine = {text("host"), text("processor"), text("build"), text("date")};
     answers.hits = from.pairs(path, steps, bodies);
     all.push_back(std::move(answers));
   }
-  for (const auto& column : kResultTimes) from.answers("/results", column, steps, all);
-  for (const auto& column : kResultCounts) from.answers("/results", column, steps, all);
+  each_answer_column([&](const auto& column) { from.answers("/results", column, steps, all); });
   return all;
 }
 
 std::vector<Summary> read_summary(const Reader& from, std::uint64_t algorithms) {
   std::vector<Summary> rows(algorithms);
-  for (const auto& column : kSummaryCounts) from.rows("/summary", column, rows);
-  for (const auto& column : kSummaryReals) from.rows("/summary", column, rows);
-  from.rows("/summary", kSummaryKept, rows);
+  each_summary_column([&](const auto& column) { from.rows("/summary", column, rows); });
   return rows;
 }
 
@@ -352,7 +350,7 @@ Extremes read_extremes(const Reader& from, std::uint64_t steps, std::uint64_t al
   for (const auto& column : kCaseFlags) from.rows("/extremes", column, extremes.rows);
   if (algorithms == 0) return extremes;
   extremes.answers.resize(algorithms);
-  for (const auto& column : kCaseAnswerFlags) from.answers("/extremes", column, steps, extremes.answers);
+  each_case_answer_column([&](const auto& column) { from.answers("/extremes", column, steps, extremes.answers); });
   from.rows("/extremes", kCaseReason, extremes.answers);
   return extremes;
 }
@@ -367,13 +365,6 @@ void read_contained_inside(const Reader& from, Result& result) {
   result.bodies.closed_within = from.attribute<double>("/truth", "closed_within");
   for (const geometry::Mesh& mesh : result.bodies.meshes)
     result.truth.closed_within.push_back(from.attribute<double>("/meshes/" + mesh.name, "closed_within"));
-}
-
-void read_contained_hits(const Reader& from, std::uint64_t steps, Result& result) {
-  from.answers("/results", kContainedHit, steps, result.answers);
-  const auto totals =
-      from.values<std::uint64_t>(std::string("/summary/") + kContainedHit.name, {result.answers.size()});
-  for (std::size_t a = 0; a < totals.size(); ++a) result.summary[a].contained_hit = totals[a];
 }
 
 Provenance read_provenance(const Reader& from) {
@@ -435,7 +426,6 @@ Result read_all(const Reader& from) {
   if (from.has("/algorithm")) {
     result.answers = read_answers(from, steps, bodies);
     result.summary = read_summary(from, result.answers.size());
-    if (result.truth.containment == Containment::record) read_contained_hits(from, steps, result);
   }
   if (from.has("/passes")) result.passes = read_passes(from, result.answers.size());
   if (from.has("/extremes")) result.extremes = read_extremes(from, steps, result.answers.size());

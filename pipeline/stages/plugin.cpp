@@ -96,7 +96,7 @@ Json json_of(const Algorithm& row) {
           {"what", row.what},
           {"operations_unit", row.operations_unit},
           {"precision", row.precision},
-          {"version", row.version},
+          {"version", row.library.version},
           {"promise", static_cast<int>(row.promise)},
           {"scope", static_cast<int>(row.scope)},
           {"knobs", knobs}};
@@ -110,7 +110,7 @@ Algorithm row_of(const Json& json) {
   row.what = text_of(json.at("what"));
   row.operations_unit = text_of(json.at("operations_unit"));
   row.precision = text_of(json.at("precision"));
-  row.version = text_of(json.at("version"));
+  row.library.version = text_of(json.at("version"));
   row.promise = static_cast<algorithms::Promise>(json.at("promise").get<int>());
   row.scope = static_cast<algorithms::Scope>(json.at("scope").get<int>());
   for (const Json& one : json.at("knobs")) {
@@ -202,7 +202,8 @@ Plugin add_plugin(const std::string& written, const std::filesystem::path& folde
       if (algorithms::find(row.name))
         throw std::invalid_argument("has a row '" + row.name + "', a name that another method has; rename it");
     for (Algorithm& row : rows) {
-      row.library_sha256 = plugin.sha256;
+      row.library.name = plugin.path.filename().string();
+      row.library.sha256 = plugin.sha256;
       row.make = [plugin, name = row.name](const Bodies& bodies, const Knobs& knobs) {
         return made(plugin, name, bodies, knobs);
       };

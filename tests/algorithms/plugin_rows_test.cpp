@@ -56,7 +56,7 @@ TEST(PluginRows, AreDescribedAsTheLibraryDoes) {
   EXPECT_EQ(row.what, "balls of the half diagonal about the bodies' positions overlap");
   EXPECT_EQ(row.operations_unit, "distances");
   EXPECT_EQ(row.precision, "double");
-  EXPECT_EQ(row.version, "1");
+  EXPECT_EQ(row.library.version, "1");
   EXPECT_EQ(row.promise, Promise::conservative);
   EXPECT_EQ(row.scope, Scope::pair);
   EXPECT_EQ(row.thesis_key, "");

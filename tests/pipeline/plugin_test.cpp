@@ -25,8 +25,8 @@ TEST(Plugin, ItsRowsJoinTheTableAndItsCodeStaysOutside) {
   const algorithms::Algorithm* row = find("odd_teller");
   ASSERT_TRUE(row);
   EXPECT_EQ(row->what, "one of the tests' odd methods");
-  EXPECT_EQ(row->version, "odd 1");
-  EXPECT_EQ(row->library_sha256, plugin.sha256);
+  EXPECT_EQ(row->library.version, "odd 1");
+  EXPECT_EQ(row->library.sha256, plugin.sha256);
   ASSERT_EQ(row->knobs.size(), 4u);
   const std::vector<algorithms::Algorithm> own = algorithms::plugin_rows(path);  // loads it here, to compare
   const auto same = std::ranges::find(own, row->name, &algorithms::Algorithm::name);
