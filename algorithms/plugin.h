@@ -121,7 +121,8 @@ typedef struct collision_value {
 
 /* A knob. Values that its rules do not allow never come to create. */
 typedef struct collision_knob {
-  const char *name;           /* 1 to 64 of A-Z a-z 0-9 _ - and neither "name" nor "label" */
+  const char *name;           /* 1 to 64 of A-Z a-z 0-9 _ - and no key of every algorithm: name, label, optional,
+                                 step_budget, time_budget, memory_budget */
   const char *unit;           /* "m", "deg", ...; "1" for counts, flags, choices and ratios */
   const char *what;           /* one line for the user */
   uint32_t type;              /* COLLISION_FLAG, ... */

@@ -47,12 +47,15 @@ std::string name_of(const char* text, const std::string& whose, const std::strin
 
 constexpr char kNameMarks[] = "_.+-";  // of methods and choices
 constexpr char kKnobMarks[] = "_-";    // what needs no quotes as a key
+constexpr std::string_view kReserved[] = {"name",        "label",       "optional",
+                                          "step_budget", "time_budget", "memory_budget"};  // keys of every algorithm
 
 Knob knob_of(const collision_knob& from, const std::string& row) {
   Knob knob;
   knob.name = name_of(from.name, row + ": the name of a knob", kKnobMarks);
   const std::string whose = row + ": knob '" + knob.name + "': ";
-  if (knob.name == "name" || knob.name == "label") refuse(whose + "the name is taken by every algorithm; rename it");
+  if (std::ranges::find(kReserved, knob.name) != std::end(kReserved))
+    refuse(whose + "the name is taken by every algorithm; rename it");
   knob.unit = text_of(from.unit, whose + "unit");
   knob.what = text_of(from.what, whose + "what");
   switch (from.type) {

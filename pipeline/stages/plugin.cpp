@@ -199,7 +199,8 @@ Plugin add_plugin(const std::string& written, const std::filesystem::path& folde
 
     std::vector<Algorithm> rows = rows_of(plugin.path.string(), limits);
     for (const Algorithm& row : rows)
-      if (algorithms::find(row.name))
+      if (algorithms::find(row.name) || algorithms::find_missing(row.name) || row.name == "program" ||
+          row.name == "none")
         throw std::invalid_argument("has a row '" + row.name + "', a name that another method has; rename it");
     for (Algorithm& row : rows) {
       row.library.name = plugin.path.filename().string();
