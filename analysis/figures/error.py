@@ -7,8 +7,9 @@ from matplotlib.ticker import FixedLocator, NullLocator
 
 from analysis.figures import labels
 from analysis.tables import pareto
-from analysis.figures.drawing import listed, shortened
-from analysis.figures.figure import INVENTED, MISSED, Figure, figure, style, svg_of
+from analysis.figures.drawing import shortened
+from analysis.figures.figure import FALSE_POSITIVE, MISSED, Figure, figure, style, svg_of
+from analysis.words import counted, listed, number, verb
 
 NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
 HEIGHT = 4.7  # inches, without the legend
@@ -29,20 +30,6 @@ def time(ns):
         return "–"
     unit, name = next(((u, n) for u, n in ((1e9, "s"), (1e6, "ms"), (1e3, "µs")) if ns >= u * 0.9995), (1, "ns"))
     return f"{number(ns / unit)} {name}"
-
-
-def number(value):
-    """Three digits; more of them in full, with narrow spaces from five on."""
-    if not np.isfinite(value):
-        return "–"
-    if abs(value) >= 999.5:
-        return f"{value:,.0f}".replace(",", "\u202f" if abs(value) >= 9999.5 else "")
-    return f"{value:.3g}"
-
-
-def counted(count, noun, plural=""):
-    """1 case, 2 cases."""
-    return f"{number(count)} {noun if count == 1 else plural or noun + 's'}"
 
 
 def against(scene, points, cost, key, apart=""):
@@ -73,7 +60,7 @@ def finding(points, cost):
     best, first = worth.iloc[-1], worth.iloc[0]
     told = _told_apart(points, cost)
     equals = [other.label for _, other in points.iterrows() if other.label != first.label and not told(other, first)]
-    equals = f"; {_few(equals)} {'is' if len(equals) == 1 else 'are'} as fast as {first.label}" if equals else ""
+    equals = f"; {_few(equals)} {verb(equals, 'is', 'are')} as fast as {first.label}" if equals else ""
     right = "makes no error" if best.error == 0 else f"errs {number(best.error)}"
     if len(points) == 1:
         return f"{best.label} {right} at {show(best[cost])}; it is alone, there is nothing to compare it with"
@@ -192,7 +179,7 @@ def kinds(scene, key):
     table = pd.DataFrame({
         "label": points.label,
         "missed (% of what meets)": points.false_negative / met * 100 if met else np.nan,
-        "invented (per pair that meets)": points.false_positive / met if met else np.nan,
+        "false positives per pair that meets": points.false_positive / met if met else np.nan,
         "false negatives": points.false_negative.astype("int64"),
         "false positives": points.false_positive.astype("int64"),
         "error": points.error,
@@ -208,12 +195,12 @@ def kinds(scene, key):
         f" all steps.{rest}"
     )
     missed = drawn["missed (% of what meets)"] if met else drawn["false negatives"]
-    invented = drawn["invented (per pair that meets)"] if met else drawn["false positives"]
+    reported = drawn["false positives per pair that meets"] if met else drawn["false positives"]
     fig, (left, right) = figure(1, 2, height=0.75 + 0.2 * max(len(drawn), 3), sharey=True)
     rows = np.arange(len(drawn))[::-1]
     for axes, values, colour, words in (
         (left, missed, MISSED, "missed, % of what meets" if met else "missed"),
-        (right, invented, INVENTED, "invented per pair that meets" if met else "invented"),
+        (right, reported, FALSE_POSITIVE, "false positives per pair that meets" if met else "false positives"),
     ):
         axes.barh(rows, values, color=colour, height=0.72)
         axes.set_xlabel(words)
@@ -231,14 +218,14 @@ def kinds(scene, key):
 def _kinds_finding(points, met):
     if not met:
         return f"No pair meets; {(points.hits == 0).sum()} of {len(points)} report none either"
-    none_missed, none_invented = (points.false_negative == 0).sum(), (points.false_positive == 0).sum()
+    none_missed, none_false = (points.false_negative == 0).sum(), (points.false_positive == 0).sum()
     misses = points.loc[points.false_negative.idxmax()]
-    invents = points.loc[points.false_positive.idxmax()]
-    words = f"{none_missed} of {len(points)} miss nothing, {none_invented} invent nothing"
+    most = points.loc[points.false_positive.idxmax()]
+    words = f"{none_missed} of {len(points)} miss nothing, {none_false} {verb(none_false, 'has', 'have')} no false positive"
     if misses.false_negative:
         words += f"; {misses.label} misses most, {number(misses.false_negative / met * 100)} % of what meets"
-    if invents.false_positive:
-        words += f"; {invents.label} invents most, {number(invents.false_positive / met)} for every pair that meets"
+    if most.false_positive:
+        words += f"; {most.label} has the most false positives, {number(most.false_positive / met)} for every pair that meets"
     return words
 
 

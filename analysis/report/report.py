@@ -4,13 +4,12 @@ import json
 
 import pandas as pd
 
-from analysis.figures import error as plots_error, extremes as extremes_figures, study as study_figures, thesis as thesis_figures
+from analysis.figures import error as plots_error, extremes as extremes_figures, study as study_figures, sweep as sweep_figures, thesis as thesis_figures
 from analysis.report import findings
 from analysis.tables import pareto
-from analysis.figures.drawing import listed
 from analysis.figures.figure import Section, Table, Text
 from analysis.report.page import page
-from analysis.figures.error import counted, number
+from analysis.words import counted, listed, number, verb
 
 SUMMARY = {  # column of the summary -> its head
     "error": "error",
@@ -44,7 +43,7 @@ truth: Two bodies meet when some triangle of one meets some triangle of the othe
 contained: A body wholly inside another meets it not by surface. If the configuration records such pairs, hits on them
     are counted apart, neither right nor wrong; with containment = "meet" they belong to the truth.
 true positive (TP): A hit on a pair that truly meets.
-false positive (FP): A hit on a pair that does not meet: invented.
+false positive (FP): A hit on a pair that does not meet.
 false negative (FN): A pair that meets and is not reported: missed.
 error: (FP + FN) / (TP + FP + FN) over all pairs and steps; 0 when the denominator is 0. True negatives are left out
     on purpose: nearly all pairs are far apart and would make every method look perfect.
@@ -59,7 +58,7 @@ set-up and memory: What a method makes once for the bodies of a run, no part of 
     then, and the most at any time.
 operations: The elementary tests an algorithm really made, its cheap rejections and its prefilter's included: a cost
     that is the same on every machine.
-promise: conservative: never misses a pair that truly meets; exact: neither misses nor invents; none. A miss that
+promise: conservative: never misses a pair that truly meets; exact: neither misses nor reports falsely; none. A miss that
     vanishes when boxes and radii grow by 2^-40 of their size is rounding and breaks nothing.
 scope: A pairwise method visits every pair; a whole-scene method has a broad phase of its own and is drawn hollow.
 Pareto front: The labels for which no other is at most as costly and at most as wrong, and better in one of the two.
@@ -71,6 +70,12 @@ def report(runs):
     titles = " / ".join(dict.fromkeys(pareto.title(run) for run in runs))
     found = pareto.scenes(runs)
     return page(f"Collision benchmark: {titles}", lead(runs, found), warnings(runs, found), sections(runs, found))
+
+
+def sweep_report(table):
+    """The HTML of a report on a sweep, the frame of load_sweep; the same files give the same bytes."""
+    title = f"Collision benchmark: {table.attrs['title']}"
+    return page(title, sweep_figures.lead(table), sweep_figures.warnings(table), [*sweep_figures.sections(table), definitions()])
 
 
 def sections(runs, found):
@@ -103,8 +108,8 @@ def lead(runs, found):
     labels, lines = len(tests), []
     if labels or not any(map(is_study, runs)):
         lines.append(
-            f"How often {counted(labels, 'collision test')} between triangle meshes err"
-            f"{'s' * (labels == 1)}, judged by exact answers, and what {'they cost' if labels != 1 else 'it costs'}."
+            f"How often {counted(labels, 'collision test')} between triangle meshes {verb(labels, 'errs', 'err')}, judged by"
+            f" exact answers, and what {verb(labels, 'it costs', 'they cost')}."
         )
     if any(map(is_study, runs)):
         lines.append(

@@ -17,6 +17,7 @@ import json
 import math
 import os
 import re
+import shlex
 import shutil
 import signal
 import socket
@@ -153,7 +154,7 @@ class Job:
             if why:
                 self.again[point.name] = why
         self.plan = {
-            "python": os.path.join(ROOT, "scripts", "python"),
+            "python": f"env PYTHONPATH={shlex.quote(ROOT)} {shlex.quote(sys.executable)}",  # that of scripts/python
             "program": program,
             "folder": folder,
             "cwd": sweep.folder,

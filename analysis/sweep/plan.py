@@ -134,7 +134,8 @@ def value_text(value):
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float):
-        return min((f"{value:g}", repr(value)), key=lambda text: (float(text) != value, len(text)))
+        texts = [re.sub(r"e\+?(-?)0*(?=\d)", r"e\1", text) for text in (f"{value:g}", repr(value))]
+        return min(texts, key=lambda text: (float(text) != value, len(text)))
     if isinstance(value, list) and value and all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in value):
         return "x".join(map(value_text, value))
     return value if isinstance(value, str) else toml(value)

@@ -39,6 +39,7 @@ def run(plan, point):
         "node": os.environ.get("SLURMD_NODENAME", ""),
         "job": os.environ.get("SLURM_JOB_ID", ""),
         "started": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+        "began": time.time(),
     }
     try:
         write_json(base + ".json", state)

@@ -275,9 +275,9 @@ def exact_figures(play, label, names):
     """Exact: every touching pass begins and ends within EXACT_M of the truth, and no other pass is ever reported."""
     mine, touching = passes(play, label, names)
     worst = float(touching[["first", "last"]].abs().fillna(np.inf).to_numpy().max())
-    invented = int((mine.reported[mine.truth_first.isna()] > 0).sum())
-    figures = {"touching": len(touching), "worst m": worst, "invented passes": invented}
-    return worst <= t.EXACT_M and invented == 0, figures
+    falsely = int((mine.reported[mine.truth_first.isna()] > 0).sum())
+    figures = {"touching": len(touching), "worst m": worst, "false positives": falsely}
+    return worst <= t.EXACT_M and falsely == 0, figures
 
 
 def unturned_boxes(play):

@@ -27,7 +27,7 @@ void on_signal(int signal) {
 
 }  // namespace
 
-CLI::Validator named(const std::string& what) {
+CLI::Validator must_name(const std::string& what) {
   return CLI::Validator([what](std::string& text) { return text.empty() ? "must name " + what + ", not nothing" : ""; },
                         "");
 }
@@ -44,7 +44,7 @@ void add_file(CLI::App& command, std::string& path, const std::string& what) {
 }
 
 void add_output(CLI::App& command, std::string& path, const std::string& what) {
-  command.add_option("-o,--output", path, what)->option_text("FILE")->check(named("a file"));
+  command.add_option("-o,--output", path, what)->option_text("FILE")->check(must_name("a file"));
 }
 
 void add_threads(CLI::App& command, int& threads, const std::string& what) {

@@ -27,7 +27,7 @@ void add_unsealed(CLI::App& command, bool& unsealed);
 void add_steps(CLI::App& command, std::string& steps);
 
 /// A check of an option's text: not empty. "must name WHAT, not nothing".
-CLI::Validator named(const std::string& what);
+CLI::Validator must_name(const std::string& what);
 
 /// Results are lost when stdout is: a full disk behind a redirection must not look like success. Texts of files of
 /// others reach no terminal but through here.

@@ -272,7 +272,7 @@ void add_export(CLI::App& program, int& code) {
   command.add_option("--vtk", o->folder_text, "Folder for the files and their .pvd index")
       ->option_text("DIR")
       ->required()
-      ->check(named("a folder"));
+      ->check(must_name("a folder"));
   add_steps(command, o->steps_text);
   command.add_flag("--force", o->force, "Replace an earlier export in the folder");
   command.add_flag("--quiet", o->quiet, "No progress on stderr; the index's path is printed alone");
