@@ -100,7 +100,7 @@ def checked(path, look, unsealed=False):
     if seal != "holds":
         why = "is not sealed, as results of older programs" if older else "is read although its seal does not hold"
         warnings.warn(f"{path}: {why}; its digests hold, its times and attributes are vouched for by nobody", Unvouched,
-                      stacklevel=3)  # fmt: skip
+                      stacklevel=3)
     return found, mark
 
 

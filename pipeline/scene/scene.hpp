@@ -31,7 +31,7 @@ struct Scene {
   std::vector<ExtremeCase> cases;                   // S, of extremes: how the pair is placed
 };
 
-/// What happens in a scene and is known beforehand: at step `first`, and so many times in all, every `every` steps.
+/// What happens in a scene and is known beforehand: at step `first`, and `times` times in all, every `every` steps.
 struct Ahead {
   std::string what;  // "landing of set 3, 216 spheres"; or "births", of which there are several
   double first = 0;
