@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tables of the pages that the program itself knows: tests/docs.py prints those that differ, --write makes them anew.
+"""The tables of the pages that the program itself knows: tests/docs.py prints those that differ, --write mends them.
 
 A table stands between `<!-- NAME -->` and `<!-- end -->`; NAME is what `pipeline list NAME` lists.
 """
@@ -16,7 +16,8 @@ PLACE = re.compile(r"(<!-- (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 
 def rows_of(what):
-    return json.loads(subprocess.run([PIPELINE, "list", what, "--json"], capture_output=True, text=True, check=True).stdout)
+    return json.loads(subprocess.run([PIPELINE, "list", what, "--json"], capture_output=True, text=True,
+                                     check=True).stdout)
 
 
 def cell(text):
@@ -37,7 +38,8 @@ def short(text):
 def table(what):
     """The list as a Markdown table."""
     if what == "algorithms":
-        lines = ["| name | key | what | promise | scope | operations | knobs (preset) |", "|---|---|---|---|---|---|---|"]
+        lines = ["| name | key | what | promise | scope | operations | knobs (preset) |",
+                 "|---|---|---|---|---|---|---|"]
         for row in rows_of(what):
             cells = [f"`{row['name']}`", row["thesis_key"], row["what"], row["promise"], row["scope"],
                      row["operations_unit"], ", ".join(map(knob, row["knobs"]))]

@@ -42,7 +42,8 @@ def main(arguments=None):
     open_standard_descriptors()
     chosen = parsed(arguments)
     for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.default_int_handler)
+        if signal.getsignal(number) != signal.SIG_IGN:  # nohup means it
+            signal.signal(number, signal.default_int_handler)
     try:
         return swept(chosen)
     except Refused as error:

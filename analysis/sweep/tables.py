@@ -21,6 +21,7 @@ POINT = {  # column of /points -> long name
     "steps": "steps of the result",
     "bodies": "bodies of the result",
 }
+TEXTS = ("status", "reason", "host", "processor", "digest")
 UNITS = {"wall_time_s": "s"}
 
 
@@ -63,8 +64,9 @@ def index(path, manifest):
         for name in manifest["parameters"]:
             put(group, f"parameter_{name}", [entry["parameters"][name] for entry in points], "point", "1", f"parameter {name}")
         for name, long_name in POINT.items():
-            values = [entry.get(name) for entry in points]
-            put(group, name, [-1 if v is None else v for v in values] if name == "exit_code" else values, "point", UNITS.get(name, "1"), long_name)
+            preset = "" if name in TEXTS else -1 if name == "exit_code" else None
+            values = [preset if entry.get(name) is None else entry[name] for entry in points]
+            put(group, name, values, "point", UNITS.get(name, "1"), long_name)
         group = file.create_group("summary")
         group["row"] = file["row"]
         put(group, "point_number", np.array([number for number, _ in rows], dtype=np.int64), "row", "1", "row of /points")

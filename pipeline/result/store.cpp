@@ -247,6 +247,11 @@ geometry::Mesh read_mesh(const Reader& from, const std::string& name) {
   mesh.shape = json_object(from, path, "shape");
   mesh.surface_deviation = from.attribute<double>(path, "surface_deviation");
   mesh.sphere_radius = sphere_radius(mesh.shape);
+  if (!from.has(path + "/contact_spheres")) return mesh;
+  for (const auto& [x, y, z, radius] :
+       from.values<std::array<double, 4>>(path + "/contact_spheres", Type::f64, {kAny, 4}))
+    mesh.contact_spheres.push_back({{x, y, z}, radius});
+  mesh.contact_deviation = from.attribute<double>(path, "contact_deviation");
   return mesh;
 }
 
@@ -296,6 +301,24 @@ PhysicsRows read_physics(const Reader& from, std::uint64_t steps) {
   return physics;
 }
 
+ForeignFacts read_facts(const Reader& from, const std::string& path, std::uint64_t steps) {
+  const auto text = [&](const char* name) { return from.attribute<std::string>(path, name); };
+  ForeignFacts facts;
+  facts.transport = text("transport");
+  facts.command = text("command");
+  facts.files = json_object(from, path, "files_sha256");
+  facts.version = text("version");
+  facts.language = text("language");
+  facts.precision = text("precision");
+  facts.threads = from.attribute<std::int64_t>(path, "threads");
+  facts.reason = text("reason");
+  facts.steps_done = from.attribute<std::int64_t>(path, "steps_done");
+  const bool complete = one_of(from, path, "status", {"complete", "failed"}) == "complete";
+  if (complete != facts.reason.empty() || facts.steps_done < 0 || std::uint64_t(facts.steps_done) > steps)
+    throw h5::Failure("attributes of " + path + ": status, reason and steps_done do not fit each other");
+  return facts;
+}
+
 std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::uint64_t bodies) {
   std::vector<Answers> all;
   std::set<std::string> known;
@@ -313,6 +336,7 @@ std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::
     answers.operations_unit = text("operations_unit");
     answers.scope = one_of(from, path, "scope", {"pair", "scene"});
     if (from.has_attribute(path, "library")) answers.library = text("library");
+    if (from.has_attribute(path, "transport")) answers.foreign = read_facts(from, path, steps);
     answers.machine = {text("host"), text("processor"), text("build"), text("date")};
     answers.hits = from.pairs(path, steps, bodies);
     all.push_back(std::move(answers));

@@ -57,6 +57,8 @@ struct SceneSize {
   std::optional<std::uint64_t> pairs = {};              // asked about at a step; absent: all that the bodies make
   std::vector<geometry::Bodies> alone =
       {};  // of extremes: the distinct pairs of bodies, one of which is there at a step
+  // Of integrated scenes, at most: contact spheres of all bodies, and bytes taken while they are placed.
+  std::uint64_t contact_spheres = 0, placing_bytes = 0;
 };
 
 /// One kind of scene, as data.

@@ -12,7 +12,11 @@ from editing import edited
 from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
-from analysis.figures import drawing, engine as engine_figures, playground as playground_map, steps as step_figures, thesis as thesis_figures, thesis_tables
+from analysis.figures import drawing, thesis_tables
+from analysis.figures import engine as engine_figures
+from analysis.figures import playground as playground_map
+from analysis.figures import steps as step_figures
+from analysis.figures import thesis as thesis_figures
 from analysis.figures.drawing import NotDrawn
 from analysis.figures.figure import Figure, Table, figure, style
 from analysis.load import load
@@ -553,9 +557,9 @@ HOSTILE = {
 def test_what_cannot_be_drawn_is_said_and_nothing_raises(run):
     found = thesis_figures.sections([run])
     assert isinstance(found[-1].parts[0], Table)
-    for figure in figures(found):
-        assert "nan" not in words(figure)
-        assert figure.title and "nan" not in figure.title and figure.caption.count("n = ") == 1, figure.title
+    for one in figures(found):
+        assert "nan" not in words(one)
+        assert one.title and "nan" not in one.title and one.caption.count("n = ") == 1, one.title
     for text in texts(found):
         assert re.search(r"[.]$", text) and "\n" not in text
 

@@ -265,7 +265,8 @@ def test_a_baseline_nested_without_end_is_refused(tmp_path):
 def test_a_manifest_of_millions_is_shown_at_once(tmp_path):
     part = tmp_path / "x.h5.part"
     part.mkdir()
-    (part / "manifest.json").write_text('{"kind": "collision benchmark checkpoint", "title": "t", "steps": 10000000, "study": true}')
+    (part / "manifest.json").write_text('{"kind": "collision benchmark checkpoint", "title": "t", "steps": 10000000, '
+                                        '"study": true}')
     start = time.monotonic()
     run = pipeline("show", part)
     assert run.returncode == DONE and "0 of 10000000 cases" in run.stdout and time.monotonic() - start < 3

@@ -197,7 +197,8 @@ def test_chunks_are_whole_and_within_fixed_dimensions(file):
             assert chunk <= max(size, 1) and (most is None or chunk <= most), path
         names = [path.split("/")[-1]] if is_scale(dataset) else documented(path)
         for name, most in zip(names, dataset.maxshape):
-            assert (most is None) == (name in ("step", "boundary", "entry", "contained_entry", "gap_entry")), f"{path}: {name}"
+            assert (most is None) == (name in ("step", "boundary", "entry", "contained_entry",
+                                               "gap_entry")), f"{path}: {name}"
         if dataset.chunks and not is_scale(dataset):
             assert dataset.shuffle and dataset.compression == "gzip", path
 

@@ -371,7 +371,8 @@ int flock(int fd, int how) {
 }
 int pthread_create(pthread_t* t, const pthread_attr_t* a, void* (*f)(void*), void* x) {
   if (wanted("pthread_create=")) return error();
-  return ((int (*)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*))dlsym(RTLD_NEXT, "pthread_create"))(t, a, f, x);
+  int (*create)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*) = dlsym(RTLD_NEXT, "pthread_create");
+  return create(t, a, f, x);
 }
 pid_t fork(void) {
   if (wanted("fork=")) { errno = error(); return -1; }
@@ -532,7 +533,7 @@ def test_a_page_is_written_under_a_name_of_its_own(tmp_path, smoke):
     page.write_text("<!doctype html>old")
     page.chmod(0o600)
     code = "import os, sys; from analysis.output import write; " \
-           "os.symlink(sys.argv[2], f'{sys.argv[1]}.{os.getpid()}.part'); write(sys.argv[1], '<!doctype html>new')"  # fmt: skip
+           "os.symlink(sys.argv[2], f'{sys.argv[1]}.{os.getpid()}.part'); write(sys.argv[1], '<!doctype html>new')"
     subprocess.run([sys.executable, "-c", code, page, precious], check=True, cwd=ROOT)
     assert page.read_text() == "<!doctype html>new" and precious.read_text() == "precious"
     assert stat.S_IMODE(page.stat().st_mode) == 0o600
