@@ -186,9 +186,10 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
         PairLists hits;
         hits.offset = in.get<std::uint64_t>();
         hits.pair = in.get<Pair>();
+        in.require(sound(hits, std::uint64_t(last - first), bodies.size()));
         answers.hits.append_steps(hits);
         for_each_column(answers, counts_contained, [&]<class T>(std::vector<T>& column) {
-          const std::vector<T> rows = in.get<T>();
+          const std::vector<T> rows = in.get<T>(std::size_t(last - first));
           column.insert(column.end(), rows.begin(), rows.end());
         });
       }

@@ -249,7 +249,12 @@ ExtremesDetected detect_extremes(const Bodies& bodies, const Poses& poses, const
         ExtremeAnswers cases;
         answers.hits.offset = one.get<std::uint64_t>();
         answers.hits.pair = one.get<Pair>();
-        for_each_column(answers, cases, [&]<class T>(std::vector<T>& column) { column = one.get<T>(); });
+        one.require(sound(answers.hits, std::uint64_t(last - first), bodies.size()));
+        for_each_column(answers, cases, [&]<class T>(std::vector<T>& column) {
+          column = one.get<T>();
+          const bool absent = column.empty() && static_cast<const void*>(&column) == &answers.contained_hit;
+          one.require(absent || column.size() == std::size_t(last - first));
+        });
         cases.reason = one.text();
         add_chunk(answers, cases, all.answers[c], all.cases[c]);
       }
