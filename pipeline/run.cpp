@@ -40,7 +40,7 @@ std::vector<std::int64_t> first_steps(const std::vector<std::vector<geometry::Po
 
 /// What an unfinished run of this configuration, build and machine belongs to. The libraries and the processor belong
 /// to the build: Simbody's motion depends on them.
-PartKey part_key(const Config& config, const Provenance& from) {
+CheckpointKey checkpoint_key(const Config& config, const Provenance& from) {
   return {.config_sha256 = sha256(config.effective),
           .program_sha256 = sha256(program_sha256() + from.library_versions + from.processor),
           .inputs_sha256 = sha256(nlohmann::json(config.inputs).dump())};
@@ -60,7 +60,7 @@ void describe(Result& result, const Config& config, Provenance from, std::chrono
 
 /// What algorithms answer about a motion and its truth; of extremes, which have `sets`, also case by case.
 ExtremesDetected answered(const Result& result, const std::vector<CaseSet>& sets,
-                          const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Part* part,
+                          const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Checkpoint* part,
                           bool quiet, Forecast& forecast) {
   Progress progress("detect", result.steps(), quiet, &forecast);
   if (sets.empty())
@@ -69,7 +69,7 @@ ExtremesDetected answered(const Result& result, const std::vector<CaseSet>& sets
 }
 
 /// Digest, file and its place.
-void store(Result& result, Target& target, bool quiet, Forecast& forecast) {
+void store(Result& result, OutputFile& target, bool quiet, Forecast& forecast) {
   Progress progress("store", 1, quiet, &forecast, "file");
   write_result(result, target);
   progress.add(1);
@@ -84,8 +84,9 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
   const fs::path part_path = output.string() + ".part";
   Provenance from = provenance();
   const std::vector<StudyRow> cases = study_cases(*config.study);
-  Target target(output, options.force ? Existing::replace : Existing::refuse);
-  Part part(part_path, part_key(config, from), config.title, std::int64_t(cases.size()), options.force, true);
+  OutputFile target(output, options.force ? Existing::replace : Existing::refuse);
+  Checkpoint part(part_path, checkpoint_key(config, from), config.title, std::int64_t(cases.size()), options.force,
+                  true);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   // More would be short of processor, and its budget of wall time could decide.
   const int processes = std::min(thread_count(options.threads), thread_count(0));
@@ -127,7 +128,7 @@ Result run(const Config& config, const RunOptions& options) {
   const fs::path part_path = output.string() + ".part";
   refuse_own_input(config, output);
   std::error_code unreadable;
-  if (fs::exists(fs::symlink_status(output, unreadable))) Part::remove_complete(part_path);
+  if (fs::exists(fs::symlink_status(output, unreadable))) Checkpoint::remove_complete(part_path);
   refuse_if_too_large(plan(config), output);
   if (config.study) return run_study(config, options, start);
 
@@ -143,8 +144,8 @@ Result run(const Config& config, const RunOptions& options) {
   if (scene.case_sets.empty()) refuse_unfit(scene.bodies, config.algorithms);  // of extremes a refusal is an answer
 
   Provenance from = provenance();
-  Target target(output, options.force ? Existing::replace : Existing::refuse);
-  Part part(part_path, part_key(config, from), config.title, config.steps, options.force);
+  OutputFile target(output, options.force ? Existing::replace : Existing::refuse);
+  Checkpoint part(part_path, checkpoint_key(config, from), config.title, config.steps, options.force);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   Forecast forecast;
   if (!options.quiet) forecast = Forecast(foreseen_stages(config, scene, planned, threads, kTrial));
@@ -219,7 +220,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   std::error_code missing;
   const fs::path real = fs::canonical(file, missing);  // a link stays one
   if (missing) read_result(file, options.unsealed);    // throws what is wrong
-  Target target(real, Existing::update);
+  OutputFile target(real, Existing::update);
   Result result = read_result(real, options.unsealed);
   if (!result.foreign.empty())
     throw Error(
@@ -232,7 +233,12 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   result.bodies.closed_within = config.closed_within;
   std::vector<AlgorithmChoice> choices;
   for (const std::string& argument : arguments) choices.push_back(parse_algorithm(argument, config.containment));
-  if (choices.empty()) choices = config.algorithms;
+  if (choices.empty()) {
+    choices = config.algorithms;
+    for (const std::string& note : config.notes) std::fprintf(stderr, "warning: %s\n", one_line(note, 4096).c_str());
+    if (choices.empty())
+      throw Error(kInput, file.string() + ": this build has none of its algorithms; name others with --algorithm");
+  }
 
   const auto index_of = [&](const std::string& label) {
     const auto same = [&](const Answers& answers) { return answers.label == label; };

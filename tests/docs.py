@@ -11,7 +11,7 @@ import sys
 
 from program import PIPELINE, ROOT
 
-PAGES = ["algorithms/README.md", "configs/README.md"]
+PAGES = ["algorithms/README.md", "configs/README.md", "pipeline/FILE.md"]
 PLACE = re.compile(r"(<!-- (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 
@@ -30,6 +30,11 @@ def knob(one):
     return f"`{one['name']}` ({shown})"
 
 
+def short(text):
+    """A long list, its middle left out."""
+    return text if len(text) <= 90 else f"{text[:60].rsplit(',', 1)[0]}, …{text[-20:][text[-20:].find(',') + 1 :]}"
+
+
 def table(what):
     """The list as a Markdown table."""
     if what == "algorithms":
@@ -38,6 +43,18 @@ def table(what):
         for row in rows_of(what):
             cells = [f"`{row['name']}`", row["thesis_key"], row["what"], row["promise"], row["scope"],
                      row["operations_unit"], ", ".join(map(knob, row["knobs"]))]
+            lines.append("| " + " | ".join(map(cell, cells)) + " |")
+    elif what == "keys":
+        lines = ["| key | preset | unit | must be | what | in |", "|---|---|---|---|---|---|"]
+        for row in rows_of(what):
+            preset = f"`{short(row['preset'])}`" if row["preset"] is not None else ""
+            unit = "" if row["unit"] == "1" else row["unit"]
+            cells = [f"`{row['name']}`", preset, unit, short(row["rule"]), row["what"], row["where"]]
+            lines.append("| " + " | ".join(map(cell, cells)) + " |")
+    elif what == "datasets":
+        lines = ["| dataset | shape | type | unit | what | present |", "|---|---|---|---|---|---|"]
+        for row in rows_of(what):
+            cells = [f"`{row['name']}`", row["shape"], row["type"], row["unit"], row["what"], row["when"]]
             lines.append("| " + " | ".join(map(cell, cells)) + " |")
     else:
         lines = [f"| {what[:-1]} | what |", "|---|---|"]

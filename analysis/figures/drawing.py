@@ -12,6 +12,7 @@ from matplotlib.transforms import ScaledTranslation
 from analysis.tables import pareto
 from analysis.tables.scenes import twins
 from analysis.tables.studies import simulated
+from analysis.words import listed
 
 MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
 LINE = 19  # letters of a line above a small panel
@@ -166,12 +167,6 @@ def _cut(text, most, head):
     return text if len(text) <= most else text[:head] + "…" + text[len(text) - (most - 1 - head) :]
 
 
-def listed(names):
-    """a; a and b; a, b and c."""
-    names = list(names)
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-
-
 def places(run):
     """Where and with what algorithms were timed -> their labels."""
     found = {}
@@ -298,7 +293,7 @@ def label_ends(axes, ends, gap=12):
         tie = {"arrowstyle": "-", "color": look["color"], "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
         tie |= {"linestyle": look.get("linestyle", "-"), "relpos": (0, 0.5)}
         axes.annotate(text, (1, (end - low) / (high - low)), xycoords="axes fraction", xytext=(TIE, y - end),
-                      textcoords="offset points", va="center", color=look["color"], fontsize=9, arrowprops=tie)  # fmt: skip
+                      textcoords="offset points", va="center", color=look["color"], fontsize=9, arrowprops=tie)
         if look.get("marker"):
             middle = axes.transAxes + ScaledTranslation((TIE - 5) / 72, (y - end) / 72, axes.figure.dpi_scale_trans)
             mark = {"color": look["color"], "marker": look["marker"], "markersize": 5, "linestyle": "none"}

@@ -7,11 +7,11 @@ unfinished integration, cases left out) come first.
 import numpy as np
 
 from analysis.figures import extremes as extremes_figures
-from analysis.tables import extremes, pareto, studies, study_tables
-from analysis.figures.drawing import NotDrawn, listed, plain, time_text
+from analysis.tables import extremes, intervals, pareto, studies, study_tables
+from analysis.figures.drawing import NotDrawn, places, plain, time_text
 from analysis.figures.figure import Points, Section
-from analysis.figures.error import counted, number
 from analysis.figures.study import FAILED, OTHERWISE, causes, drift_words, follow_text, heads_of, steady
+from analysis.words import counted, listed, number, verb
 
 
 def section(runs):
@@ -81,7 +81,7 @@ def converged(run):
         nominal, low, high = mine["nominal"].iloc[0], mine["order"].min(), mine["order"].max()
         range_ = f"{low:.2f}" if f"{low:.2f}" == f"{high:.2f}" else f"{low:.2f} to {high:.2f}"
         off = mine[mine["order"] < nominal - 0.3]
-        text = f"{name} converges with order {range_} on {len(mine)} problem{'s' if len(mine) > 1 else ''}; nominal is {nominal:g}"
+        text = f"{name} converges with order {range_} on {counted(len(mine), 'problem')}; nominal is {nominal:g}"
         if len(off):
             text += f", which it falls short of on {listed(off['sweep'].str.replace('_', ' '))}"
         found.append(text + ".")
@@ -104,7 +104,7 @@ def held(run):
         if not whole:
             found.append(f"On the {problem} no integrator has all of {len(values)} values {where}; who holds everywhere cannot be said.")
         elif keep:
-            found.append(f"On the {problem} {listed(keep)} keep{'s' if len(keep) == 1 else ''} the energy within {100 * study_tables.BOUND:g} % {where}.")
+            found.append(f"On the {problem} {listed(keep)} {verb(keep, 'keeps', 'keep')} the energy within {100 * study_tables.BOUND:g} % {where}.")
         else:
             found.append(f"On the {problem} no integrator keeps the energy within {100 * study_tables.BOUND:g} % everywhere {where}.")
         lost = mine[~mine["finished"]]
@@ -133,7 +133,7 @@ def recommended(run, runs):
             found.append(
                 f"Recommended near {stiffness:g} Pa: {row['integrator']} at {row['setting']}; it finishes all {row['of']} cases within {100 * study_tables.BOUND:g} % of the energy "
                 f"(worst {100 * row['worst_energy_error']:+.2g} %) with {number(int(row['force_evaluations']))} force evaluations; {cheap_text(table)}."
-            )  # fmt: skip
+            )
         elif len(table):
             whole = table[table["cases"] == table["of"]]
             why = "nobody holds in all of them" if len(whole) else "nobody has all of them"
@@ -146,7 +146,7 @@ def cheap_text(table):
     if cheap["integrator"] == best["integrator"] and cheap["setting"] == best["setting"]:
         return "none that holds is cheaper"
     return (f"{cheap['integrator']} at {cheap['setting']} holds with {number(int(cheap['force_evaluations']))}, the fewest, and is "
-            f"{cheap['energy_error'] / best['energy_error']:.2g} times less accurate")  # fmt: skip
+            f"{cheap['energy_error'] / best['energy_error']:.2g} times less accurate")
 
 
 def went_wrong(run):
@@ -202,10 +202,10 @@ def answers(run):
         right = list(said.index[said["wrong"] == 0])
         if right:
             names = [f"{name}{judged(said.loc[name])}" for name in right]
-            found.append(f"{listed(names)} {'is' if len(right) == 1 else 'are'} never wrong in {counted(int(mine['cases'].max()), 'case')} {where}.")
+            found.append(f"{listed(names)} {verb(right, 'is', 'are')} never wrong in {counted(int(mine['cases'].max()), 'case')} {where}.")
         wrong = said[said["wrong"] > 0].sort_values("wrong", kind="stable")
         if len(wrong):
-            each = [f"{name} {100 * row['wrong']:.2f} %{judged(row)} ({number(int(row['missed']))} missed, {number(int(row['invented']))} invented)" for name, row in wrong.iterrows()]
+            each = [f"{name} {100 * row['wrong']:.2f} %{judged(row)} ({number(int(row['missed']))} missed, {counted(int(row['false positives']), 'false positive')})" for name, row in wrong.iterrows()]
             found.append(f"Wrong {where}: {'; '.join(each)}.")
     shaky = extremes.instability(run)
     total = shaky.groupby("algorithm", observed=True)[["cases", "swapped", "moved", "failed"]].sum()
@@ -244,12 +244,12 @@ def drift(run):
     if table.attrs["lossless"] and len(change):
         worst = change.abs().max()
         found.append(f"Nothing gives or takes energy; over {seconds:.4g} s it is off by {100 * worst:.2g} % at most and by {100 * change.iloc[-1]:+.2g} % at the end, "
-                     f"{'within' if worst <= studies.SOUND else 'more than'} {100 * studies.SOUND:g} %.")  # fmt: skip
+                     f"{'within' if worst <= studies.SOUND else 'more than'} {100 * studies.SOUND:g} %.")
     if "greatest_penetration" in table and table["greatest_penetration"].notna().any():
         deepest = table["greatest_penetration"].idxmax()
         depth = table["greatest_penetration"][deepest]
         found.append(f"Over {seconds:.4g} s bodies sink into each other by {depth:.3g} m at most, at {table['time'][deepest]:.4g} s." if depth > 0
-                     else f"Over {seconds:.4g} s no body sinks into another.")  # fmt: skip
+                     else f"Over {seconds:.4g} s no body sinks into another.")
     more = drift_words(run)
     return found + ([f"{more[:1].upper()}{more[1:]} over {seconds:.4g} s."] if more else [])
 
@@ -268,7 +268,12 @@ def algorithms(run):
     even = told[told["error"] == least["error"]]
     least = even.loc[even["time_mean_ns"].idxmin()]
     text = (f"Of {len(told)} labels {least.name} errs least, {least['error']:.3g} at {time_text(least['time_mean_ns'])} a step; "
-            f"{quick.name} is quickest, {quick['error']:.3g} at {time_text(quick['time_mean_ns'])}.")  # fmt: skip
+            f"{quick.name} is quickest, {quick['error']:.3g} at {time_text(quick['time_mean_ns'])}.")
     if least.name == quick.name:
         text = f"Of {len(told)} labels {least.name} errs least and is quickest: {least['error']:.3g} at {time_text(least['time_mean_ns'])} a step."
+    times = {label: times for label, times in run.step_times.items() if label in told.index}
+    equals = [label for label, mine in times.items() if label != quick.name
+              and intervals.alike(intervals.ratio(mine, times[quick.name]), run.noise)]
+    if equals and len(places(run)) == 1:
+        text += f" {listed(equals)} {verb(equals, 'is', 'are')} as fast as {quick.name}: their times do not differ."
     return [text]

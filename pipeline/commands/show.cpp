@@ -5,7 +5,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/commands/command.hpp"
 #include "pipeline/config.hpp"
+#include "pipeline/result/columns.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/stages/extremes.hpp"
 #include "pipeline/stages/passes.hpp"
@@ -373,22 +375,15 @@ std::string result_json(const Result& result, const std::string& path) {
                                   {"thesis_key", answers.thesis_key},
                                   {"knobs", Json::parse(answers.knobs)},
                                   {"promise", answers.promise},
-                                  {"promise_kept", row.promise_kept},
                                   {"scope", answers.scope},
-                                  {"hits", row.hits},
-                                  {"true_positive", row.true_positive},
-                                  {"false_positive", row.false_positive},
-                                  {"false_negative", row.false_negative},
-                                  {"error", row.error},
-                                  {"precision", row.precision},
-                                  {"recall", row.recall},
-                                  {"matthews", row.matthews},
-                                  {"operations", row.operations},
                                   {"operations_unit", answers.operations_unit},
-                                  {"time_mean_ns", row.time_mean_ns},
-                                  {"time_median_ns", row.time_median_ns},
-                                  {"time_p95_ns", row.time_p95_ns}});
-    if (row.contained_hit) json["algorithms"].back()["contained_hit"] = *row.contained_hit;
+                                  {"library", answers.library}});
+    each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
+      if constexpr (!is_optional<T>)
+        json["algorithms"].back()[column.name] = row.*column.member;
+      else if (row.*column.member)
+        json["algorithms"].back()[column.name] = *(row.*column.member);
+    });
   }
   if (result.passes) json["passes"] = passes_json(result);
   if (result.extremes) json["extremes"] = extremes_json(result);
@@ -396,7 +391,7 @@ std::string result_json(const Result& result, const std::string& path) {
   return dumped(json);
 }
 
-std::string part_text(const PartStatus& status, const std::string& path) {
+std::string checkpoint_text(const CheckpointStatus& status, const std::string& path) {
   if (status.study)
     return status.title + "\n" + path + ": an unfinished study; the same `pipeline run` resumes it\n" +
            print("%lld of %lld cases\n", static_cast<long long>(status.cases), static_cast<long long>(status.steps));
@@ -409,7 +404,7 @@ std::string part_text(const PartStatus& status, const std::string& path) {
          line("detect", status.answered_steps);
 }
 
-std::string part_json(const PartStatus& status, const std::string& path) {
+std::string checkpoint_json(const CheckpointStatus& status, const std::string& path) {
   if (status.study)
     return dumped(Json{{"file", path},
                        {"complete", false},
@@ -424,6 +419,28 @@ std::string part_json(const PartStatus& status, const std::string& path) {
                      {"truth_steps", status.truth_steps},
                      {"answered_steps", status.answered_steps}};
   return dumped(json);
+}
+
+void add_show(CLI::App& program, int& code) {
+  struct Options {
+    std::string file;
+    bool digests = false, unsealed = false, json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App& command = *program.add_subcommand("show", "Summary, provenance and digest of a result");
+  add_file(command, o->file, "Result file, or the FILE.part of an unfinished run");
+  add_digests(command, o->digests);
+  add_unsealed(command, o->unsealed);
+  add_json(command, o->json);
+  command.callback([o, &code] {
+    if (std::filesystem::is_directory(o->file)) {
+      put((o->json ? checkpoint_json : checkpoint_text)(checkpoint_status(o->file), o->file));
+    } else {
+      const Result result = read_result(o->file, o->unsealed);
+      put(o->json ? result_json(result, o->file) : result_text(result, o->digests));
+    }
+    code = 0;
+  });
 }
 
 }  // namespace pipeline

@@ -13,7 +13,7 @@ std::string result_text(const Result& result, bool digests = false);
 std::string result_json(const Result& result, const std::string& path);
 
 /// How far an unfinished run is.
-std::string part_text(const PartStatus& status, const std::string& path);
-std::string part_json(const PartStatus& status, const std::string& path);
+std::string checkpoint_text(const CheckpointStatus& status, const std::string& path);
+std::string checkpoint_json(const CheckpointStatus& status, const std::string& path);
 
 }  // namespace pipeline

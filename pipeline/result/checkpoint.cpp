@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/system/foreign.hpp"
+#include "pipeline/system/input_file.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 
@@ -137,7 +137,7 @@ void ChunkReader::take(void* to, std::size_t size) {
   at_ += size;
 }
 
-PartStatus part_status(const fs::path& folder) {
+CheckpointStatus checkpoint_status(const fs::path& folder) {
   Descriptor opened;
   try {
     opened = open_folder(folder);
@@ -148,7 +148,8 @@ PartStatus part_status(const fs::path& folder) {
   const int in = opened.number();
   const nlohmann::json manifest = manifest_of(in);
   const bool whole = is_ours(manifest) && manifest.contains("steps") && manifest["steps"].is_number_integer();
-  PartStatus status{.title = text_in(manifest, "title"), .steps = whole ? manifest["steps"].get<std::int64_t>() : 0};
+  CheckpointStatus status{.title = text_in(manifest, "title"),
+                          .steps = whole ? manifest["steps"].get<std::int64_t>() : 0};
   if (status.steps < 1 || status.steps > kMostSteps)
     throw Error(kFile, folder.string() + ": is not an unfinished run of this program (no readable " + kManifest + ")");
   status.study = manifest.contains("study");
@@ -169,9 +170,9 @@ PartStatus part_status(const fs::path& folder) {
   return status;
 }
 
-Part::Part(const fs::path& folder, const PartKey& key, const std::string& title, std::int64_t steps, bool force,
-           bool study)
-    : Part(folder) {
+Checkpoint::Checkpoint(const fs::path& folder, const CheckpointKey& key, const std::string& title, std::int64_t steps,
+                       bool force, bool study)
+    : Checkpoint(folder) {
   nlohmann::json mine = {{"kind", kKind},
                          {"config_sha256", key.config_sha256},
                          {"inputs_sha256", key.inputs_sha256},
@@ -200,7 +201,8 @@ Part::Part(const fs::path& folder, const PartKey& key, const std::string& title,
     nlohmann::json found = manifest_of(in);
     if (found.is_object()) found.erase(kComplete);
     if (found == mine) {
-      resumed_ = study ? part_status(folder).cases > 0 : has(chunk_name("motion", 0)) || has(chunk_name("truth", 0));
+      resumed_ =
+          study ? checkpoint_status(folder).cases > 0 : has(chunk_name("motion", 0)) || has(chunk_name("truth", 0));
       return;
     }
     if (!found.is_null() && !force)
@@ -218,15 +220,15 @@ Part::Part(const fs::path& folder, const PartKey& key, const std::string& title,
   }
 }
 
-Part::~Part() {
+Checkpoint::~Checkpoint() {
   if (!worthless_ || saved_) return;
   erase(opened_.number());
   rmdir(folder_.c_str());
 }
 
-bool Part::has(const std::string& name) const { return exists(opened_.number(), name); }
+bool Checkpoint::has(const std::string& name) const { return exists(opened_.number(), name); }
 
-std::optional<std::string> Part::load(const std::string& name) const {
+std::optional<std::string> Checkpoint::load(const std::string& name) const {
   std::string bytes;
   try {
     bytes = read_regular(opened_.number(), name, /*follow_links=*/false);
@@ -247,7 +249,7 @@ std::optional<std::string> Part::load(const std::string& name) const {
   return bytes;
 }
 
-void Part::save(const std::string& name, const std::string& content) const {
+void Checkpoint::save(const std::string& name, const std::string& content) const {
   if (!is_chunk(name)) throw std::logic_error(name + ": is no chunk's name");
   try {
     put_file(opened_.number(), name,
@@ -258,7 +260,7 @@ void Part::save(const std::string& name, const std::string& content) const {
   }
 }
 
-void Part::remove() {
+void Checkpoint::remove() {
   erase(opened_.number());
   worthless_ = false;
   if (rmdir(folder_.c_str()) == 0) return;
@@ -269,7 +271,7 @@ void Part::remove() {
                why.c_str());
 }
 
-void Part::mark_complete() const {
+void Checkpoint::mark_complete() const {
   nlohmann::json manifest = nlohmann::json::parse(seal_);
   manifest[kComplete] = true;
   saved_ = true;
@@ -280,7 +282,7 @@ void Part::mark_complete() const {
   }
 }
 
-void Part::remove_complete(const fs::path& folder) {
+void Checkpoint::remove_complete(const fs::path& folder) {
   try {
     const Descriptor opened = open_folder(folder, /*follow_links=*/false);
     const int in = opened.number();

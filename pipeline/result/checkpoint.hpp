@@ -24,33 +24,33 @@ namespace pipeline {
 constexpr std::int64_t kChunkSteps = 50;
 
 /// What a part belongs to: resumed only when all of it is equal.
-struct PartKey {
+struct CheckpointKey {
   std::string config_sha256;       // of the effective configuration
   std::string program_sha256;      // of the program's own file
   std::string inputs_sha256 = {};  // of the list of all other files read, with their hashes
-  bool operator==(const PartKey&) const = default;
+  bool operator==(const CheckpointKey&) const = default;
 };
 
 /// What is in a part, without locking it; for `show`.
-struct PartStatus {
+struct CheckpointStatus {
   std::string title;
   std::int64_t steps = 0;
   std::int64_t motion_steps = 0, truth_steps = 0, answered_steps = 0;
   bool study = false;      // then `steps` are cases
   std::int64_t cases = 0;  // finished
 };
-PartStatus part_status(const std::filesystem::path& folder);
+CheckpointStatus checkpoint_status(const std::filesystem::path& folder);
 
-class Part {
+class Checkpoint {
  public:
   /// Opens or makes the folder. Throws Error(kFile) when another run holds it, when it belongs to another configuration
   /// or build and `force` is false (with force its files are erased), when it is no folder of ours (also with force),
   /// or when it cannot be written. Of a study `steps` are its cases.
-  Part(const std::filesystem::path& folder, const PartKey& key, const std::string& title, std::int64_t steps,
-       bool force, bool study = false);
-  ~Part();
-  Part(const Part&) = delete;
-  Part& operator=(const Part&) = delete;
+  Checkpoint(const std::filesystem::path& folder, const CheckpointKey& key, const std::string& title,
+             std::int64_t steps, bool force, bool study = false);
+  ~Checkpoint();
+  Checkpoint(const Checkpoint&) = delete;
+  Checkpoint& operator=(const Checkpoint&) = delete;
 
   bool resumed() const { return resumed_; }  // it was there before, with chunks
 
@@ -72,7 +72,7 @@ class Part {
   void remove();
 
  private:
-  explicit Part(const std::filesystem::path& folder) : folder_(folder) {}
+  explicit Checkpoint(const std::filesystem::path& folder) : folder_(folder) {}
 
   bool has(const std::string& name) const;
 

@@ -109,10 +109,11 @@ class Reader {
     return out;
   }
 
-  /// A column of the rows, from a dataset of as many values.
+  /// A column of the rows, from a dataset of as many values. An optional one that is not there is left out.
   template <typename Row, typename T, typename Stored>
   void rows(const std::string& group, const Column<Row, T, Stored>& column, std::vector<Row>& out) const {
     const std::string path = group + "/" + column.name;
+    if (is_optional<T> && !has(path)) return;
     const auto fill = [&](auto stored) {
       for (std::size_t r = 0; r < out.size(); ++r) out[r].*column.member = static_cast<T>(std::move(stored[r]));
     };
@@ -122,11 +123,13 @@ class Reader {
       fill(values<Stored>(path, {out.size()}));
   }
 
-  /// A column of every algorithm's answers, from a table of rows x algorithms.
+  /// A column of every algorithm's answers, from a table of rows x algorithms. Likewise.
   template <typename Answer, typename T>
   void answers(const std::string& group, const Column<Answer, std::vector<T>>& column, std::uint64_t rows,
                std::vector<Answer>& out) const {
-    const std::vector<T> table = values<T>(group + "/" + column.name, {rows, out.size()});
+    const std::string path = group + "/" + column.name;
+    if (column.optional && !has(path)) return;
+    const std::vector<T> table = values<T>(path, {rows, out.size()});
     for (std::size_t a = 0; a < out.size(); ++a)
       for (std::size_t r = 0; r < rows; ++r) (out[a].*column.member).push_back(table[r * out.size() + a]);
   }

@@ -74,12 +74,28 @@ template <typename Row, typename T, typename Stored>
 Dataset of_rows(const std::string& group, const Column<Row, T, Stored>& column, const std::vector<Row>& rows,
                 const Dimension& row) {
   std::vector<Stored> values;
-  for (const Row& one : rows) values.push_back(static_cast<Stored>(one.*column.member));
+  for (const Row& one : rows) {
+    if constexpr (is_optional<T>)
+      values.push_back(static_cast<Stored>((one.*column.member).value_or(Stored{})));
+    else
+      values.push_back(static_cast<Stored>(one.*column.member));
+  }
   const std::string path = group + "/" + column.name;
   if constexpr (std::same_as<Stored, std::string>)
     return texts(path, std::move(values), {row}, column.long_name);
   else
     return owning(path, values, {row}, column.units, column.long_name);
+}
+
+/// Whether the file has the column: not an optional one of which nobody has values.
+template <typename Row, typename T, typename Stored>
+bool is_there(const Column<Row, T, Stored>& column, const std::vector<Row>& rows) {
+  if constexpr (is_optional<T>)
+    return std::ranges::any_of(rows, [&](const Row& row) { return (row.*column.member).has_value(); });
+  else if constexpr (std::ranges::range<T> && !std::same_as<T, std::string>)
+    return !column.optional || std::ranges::any_of(rows, [&](const Row& row) { return !(row.*column.member).empty(); });
+  else
+    return true;
 }
 
 /// A table of rows x algorithms from a column of every algorithm's answers.
@@ -89,6 +105,7 @@ Dataset of_answers(const std::string& group, const Column<Answer, std::vector<T>
   std::vector<T> table(row.size * answers.size());
   for (std::size_t a = 0; a < answers.size(); ++a) {
     const std::vector<T>& values = answers[a].*column.member;
+    if (column.optional && values.empty()) continue;
     assert(values.size() == row.size && "a value for every row");
     for (std::size_t r = 0; r < row.size; ++r) table[r * answers.size() + a] = values[r];
   }
@@ -202,6 +219,7 @@ Group mesh(const geometry::Mesh& mesh, std::optional<double> closed_within) {
                {"surface_deviation", mesh.surface_deviation}},
               {}};
   if (closed_within) group.attributes.push_back({"closed_within", *closed_within});
+  if (!mesh.contact_spheres.empty()) group.attributes.push_back({"contact_deviation", mesh.contact_deviation});
   auto& datasets = group.datasets;
   datasets.push_back(bare_scale(vertex, "vertices of the mesh"));
   datasets.push_back(bare_scale(triangle, "triangles of the mesh"));
@@ -211,6 +229,16 @@ Group mesh(const geometry::Mesh& mesh, std::optional<double> closed_within) {
                             "vertices in the mesh's own frame", Type::f64));
   datasets.push_back(viewed(path + "/triangles", std::span(mesh.triangles), {triangle, corner}, "1",
                             "vertices of the triangles, counter-clockwise seen from outside", Type::u32));
+  if (mesh.contact_spheres.empty()) return group;
+  const Dimension sphere{path + "/sphere", mesh.contact_spheres.size()};
+  const Dimension part{path + "/part", 4};
+  datasets.push_back(bare_scale(sphere, "contact spheres of the mesh"));
+  datasets.push_back(scale(texts(part.scale, {"x", "y", "z", "radius"}, {part}, "centre and radius of a sphere")));
+  std::vector<double> spheres;
+  for (const geometry::ContactBall& ball : mesh.contact_spheres)
+    spheres.insert(spheres.end(), {ball.centre.x(), ball.centre.y(), ball.centre.z(), ball.radius});
+  datasets.push_back(owning(path + "/contact_spheres", spheres, {sphere, part}, "m",
+                            "spheres inside the mesh by which its bodies touched others"));
   return group;
 }
 
@@ -294,15 +322,15 @@ Group truth(const Truth& truth, double closed_within, const Sizes& n) {
 Group results(const Result& result, const Sizes& n) {
   Group group{"/results", {}, {}};
   const auto add = [&](const auto& column) {
-    group.datasets.push_back(of_answers("/results", column, result.answers, n.step, n.algorithm));
+    if (is_there(column, result.answers))
+      group.datasets.push_back(of_answers("/results", column, result.answers, n.step, n.algorithm));
   };
-  for (const auto& column : kResultTimes) add(column);
+  each_answer_time(add);
   std::vector<std::uint64_t> hits;
   for (std::size_t s = 0; s < n.step.size; ++s)
     for (const Answers& one : result.answers) hits.push_back(one.hits.at(s).size());
   group.datasets.push_back(owning("/results/hits", hits, {n.step, n.algorithm}, "1", "pairs reported"));
-  for (const auto& column : kResultCounts) add(column);
-  if (result.truth.containment == Containment::record) add(kContainedHit);
+  each_answer_count(add);
   return group;
 }
 
@@ -320,6 +348,18 @@ Group answers(const Answers& answers, const Sizes& n) {
                {"date", answers.machine.date}},
               {},
               true};
+  if (!answers.library.empty()) group.attributes.push_back({"library", answers.library});
+  if (const auto& foreign = answers.foreign)
+    group.attributes.insert(group.attributes.end(), {{"transport", foreign->transport},
+                                                     {"command", foreign->command},
+                                                     {"files_sha256", foreign->files},
+                                                     {"version", foreign->version},
+                                                     {"language", foreign->language},
+                                                     {"precision", foreign->precision},
+                                                     {"threads", foreign->threads},
+                                                     {"status", std::string(failed(answers) ? "failed" : "complete")},
+                                                     {"reason", foreign->reason},
+                                                     {"steps_done", foreign->steps_done}});
   add_pairs(group, answers.hits, "pairs of bodies that the algorithm reported", n);
   return group;
 }
@@ -327,18 +367,10 @@ Group answers(const Answers& answers, const Sizes& n) {
 Group summary(const Result& result, const Sizes& n) {
   Group group{"/summary", {}, {}};
   assert(result.summary.size() == n.algorithm.size && "a row for every algorithm");
-  const auto add = [&](const auto& column) {
-    group.datasets.push_back(of_rows("/summary", column, result.summary, n.algorithm));
-  };
-  for (const auto& column : kSummaryCounts) add(column);
-  for (const auto& column : kSummaryReals) add(column);
-  add(kSummaryKept);
-  if (result.truth.containment == Containment::record) {
-    std::vector<std::uint64_t> values;
-    for (const Summary& row : result.summary) values.push_back(row.contained_hit.value_or(0));
-    group.datasets.push_back(
-        owning(std::string("/summary/") + kContainedHit.name, values, {n.algorithm}, "1", kContainedHit.long_name));
-  }
+  each_summary_column([&](const auto& column) {
+    if (is_there(column, result.summary))
+      group.datasets.push_back(of_rows("/summary", column, result.summary, n.algorithm));
+  });
   return group;
 }
 
@@ -376,8 +408,9 @@ Group extremes(const Extremes& extremes, const Sizes& n) {
   add(kCaseCounts);
   add(kCaseFlags);
   if (extremes.answers.empty()) return group;
-  for (const auto& column : kCaseAnswerFlags)
+  each_case_answer_column([&](const auto& column) {
     datasets.push_back(of_answers("/extremes", column, extremes.answers, n.step, n.algorithm));
+  });
   datasets.push_back(of_rows("/extremes", kCaseReason, extremes.answers, n.algorithm));
   return group;
 }

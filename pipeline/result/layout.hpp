@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "pipeline/result/columns.hpp"
 #include "pipeline/result/result.hpp"
 
 namespace pipeline {
@@ -77,31 +78,6 @@ std::vector<Group> layout(const Result& result);
 /// The last name of a path.
 std::string_view base_name(std::string_view path);
 
-/// A column of the file and the member it comes from. `Stored` are the values of the dataset.
-template <typename Row, typename T, typename Stored = T>
-struct Column {
-  const char* name;
-  T Row::*member;
-  const char* units;
-  const char* long_name;
-};
-
-// Columns of /results kept by Answers (S values each), of /physics and of /summary. `hits` of /results is not among
-// them: it follows from the lists of pairs.
-inline constexpr Column<Answers, std::vector<std::int64_t>> kResultTimes[] = {
-    {"time_ns", &Answers::time_ns, "ns", "fastest repeat of the step, preparation included"},
-    {"time_median_ns", &Answers::time_median_ns, "ns", "median repeat of the step, preparation included"},
-    {"prepare_ns", &Answers::prepare_ns, "ns",
-     "of the fastest repeat, what was made ready for all bodies before the first pair"}};
-inline constexpr Column<Answers, std::vector<std::uint64_t>> kResultCounts[] = {
-    {"true_positive", &Answers::true_positive, "1", "pairs reported that truly meet"},
-    {"false_positive", &Answers::false_positive, "1",
-     "pairs reported that do not meet; contained_hit is counted apart"},
-    {"false_negative", &Answers::false_negative, "1", "pairs that meet and were not reported"},
-    {"rounding_miss", &Answers::rounding_miss, "1",
-     "misses of a conservative method that vanish when enlarged by 2^-40"},
-    {"operations", &Answers::operations, "1", "elementary tests made; what is counted: operations_unit of /answers"}};
-
 inline constexpr Column<GapLists, std::vector<double>> kGapReals[] = {
     {"gap_lower", &GapLists::lower, "m", "the distance of the pair's surfaces is at least this, certified"},
     {"gap_upper", &GapLists::upper, "m", "the distance of the pair's surfaces is at most this, certified"}};
@@ -133,11 +109,6 @@ inline constexpr Column<ExtremeAnswers, std::vector<std::uint8_t>> kCaseAnswerFl
 inline constexpr Column<ExtremeAnswers, std::string> kCaseReason{
     "failure", &ExtremeAnswers::reason, "1", "what the algorithm said when it first failed; empty: it never did"};
 
-/// A column of /results and of /summary, there only with Containment::record.
-inline constexpr Column<Answers, std::vector<std::uint64_t>> kContainedHit{
-    "contained_hit", &Answers::contained_hit, "1",
-    "pairs reported whose surfaces do not meet, one body being inside the other"};
-
 inline constexpr Column<PhysicsSample, double> kPhysicsReals[] = {
     {"energy", &PhysicsSample::energy, "J", "kinetic, gravity and elastic energy; gravity counted from y = 0"},
     {"kinetic_energy", &PhysicsSample::kinetic_energy, "J", "kinetic energy"},
@@ -150,25 +121,6 @@ inline constexpr Column<PhysicsSample, std::int64_t, std::uint64_t> kPhysicsCoun
 inline constexpr Column<PhysicsSample, std::int64_t> kPhysicsTimes[] = {
     {"time_ns", &PhysicsSample::time_ns, "ns", "wall time of the integration since the sample before"},
     {"contact_time_ns", &PhysicsSample::contact_time_ns, "ns", "part of time_ns spent on contacts and their forces"}};
-
-inline constexpr Column<Summary, std::uint64_t> kSummaryCounts[] = {
-    {"hits", &Summary::hits, "1", "pairs reported, over all steps"},
-    {"true_positive", &Summary::true_positive, "1", "pairs reported that truly meet"},
-    {"false_positive", &Summary::false_positive, "1",
-     "pairs reported that do not meet; contained_hit is counted apart"},
-    {"false_negative", &Summary::false_negative, "1", "pairs that meet and were not reported"},
-    {"operations", &Summary::operations, "1", "elementary tests made; what is counted: operations_unit of /answers"}};
-inline constexpr Column<Summary, double> kSummaryReals[] = {
-    {"error", &Summary::error, "1",
-     "(FP + FN) / (TP + FP + FN); 0 when nothing is to be found and nothing was reported"},
-    {"precision", &Summary::precision, "1", "TP / (TP + FP)"},
-    {"recall", &Summary::recall, "1", "TP / (TP + FN)"},
-    {"matthews", &Summary::matthews, "1", "Matthews' correlation coefficient over pairs of born bodies"},
-    {"time_mean_ns", &Summary::time_mean_ns, "ns", "mean over steps of the fastest repeat"},
-    {"time_median_ns", &Summary::time_median_ns, "ns", "median over steps of the fastest repeat"},
-    {"time_p95_ns", &Summary::time_p95_ns, "ns", "95th percentile over steps of the fastest repeat"}};
-inline constexpr Column<Summary, bool, std::uint8_t> kSummaryKept{"promise_kept", &Summary::promise_kept, "1",
-                                                                  "0 when a promise was broken"};
 
 inline constexpr Column<PassRow, std::string> kPassTexts[] = {
     {"target", &PassRow::target, "1", "body that the hero passes through"},
@@ -242,6 +194,12 @@ inline constexpr Column<StudyRow, bool, std::uint8_t> kStudyFinished{"finished",
                                                                      "1 when the end was reached"};
 inline constexpr Column<StudyRow, std::int64_t> kStudyTime{
     "time_ns", &StudyRow::time_ns, "ns", "time of processor for the integration; the fastest of up to five"};
+
+/// Tells `each` every column of what an algorithm said about the cases of /extremes.
+template <typename Each>
+void each_case_answer_column(const Each& each) {
+  for (const auto& column : kCaseAnswerFlags) each(column);
+}
 
 /// Tells `each` every column of /study, in the file's order.
 template <typename Each>

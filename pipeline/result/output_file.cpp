@@ -31,7 +31,7 @@ bool unchanged(const struct stat& before, const struct stat& now) {
 
 }  // namespace
 
-Target::Target(const path& target, Existing existing)
+OutputFile::OutputFile(const path& target, Existing existing)
     : path_(target), name_(target.filename().string()), existing_(existing) {
   const std::string place = target.string();
   if (!target.has_filename()) throw Error(kFile, place + ": is a folder; choose another place");
@@ -55,23 +55,23 @@ Target::Target(const path& target, Existing existing)
   }
 }
 
-Target::Lock::Lock(int folder, const std::string& name)
+OutputFile::Lock::Lock(int folder, const std::string& name)
     : folder_(folder), name_(name), file_(take_lock(folder, name)) {}
 
-Target::Lock::~Lock() {
+OutputFile::Lock::~Lock() {
   if (file_ && is_at(folder_, name_, file_.number())) unlinkat(folder_, name_.c_str(), 0);
 }
 
 /// Finds what stands there, and refuses what may not be replaced.
-void Target::look() {
+void OutputFile::look() {
   before_ = standing(folder_.number(), name_);
+  if (before_ && !S_ISREG(before_->st_mode))  // first: --force would not help
+    throw Error(kFile, path_.string() + ": is not a regular file; choose another place");
   if (before_ && existing_ == Existing::refuse)
     throw Error(kFile, path_.string() + ": exists; --force replaces it, or choose another -o");
-  if (before_ && !S_ISREG(before_->st_mode))
-    throw Error(kFile, path_.string() + ": is not a regular file; choose another place");
 }
 
-void Target::refuse_changed() const {
+void OutputFile::refuse_changed() const {
   const auto now = standing(folder_.number(), name_);
   if (before_ ? now && unchanged(*before_, *now) : !now) return;
   throw Error(kFile, path_.string() +
@@ -79,7 +79,7 @@ void Target::refuse_changed() const {
                          "run the same command again");
 }
 
-void Target::write(std::span<const std::byte> bytes) {
+void OutputFile::write(std::span<const std::byte> bytes) {
   try {
     file_->write({{reinterpret_cast<const char*>(bytes.data()), bytes.size()}});
     if (existing_ == Existing::update) refuse_changed();

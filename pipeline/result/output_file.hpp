@@ -22,11 +22,11 @@ enum class Existing {
 /// The place of a file, taken before the work, so that one that cannot be written is said at once. While it is held
 /// no other program of ours writes there; what killed ones left behind is cleared away. A new file has the mode and
 /// owner of the one that it replaces. All throw Error(kFile).
-class Target {
+class OutputFile {
  public:
-  Target(const std::filesystem::path& path, Existing existing);
-  Target(const Target&) = delete;
-  Target& operator=(const Target&) = delete;
+  OutputFile(const std::filesystem::path& path, Existing existing);
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
 
   /// Writes the whole file beside its place, reads it back and renames it. Once.
   void write(std::span<const std::byte> bytes);

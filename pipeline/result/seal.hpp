@@ -15,7 +15,7 @@
 #include <span>
 #include <string>
 
-#include "pipeline/system/foreign.hpp"
+#include "pipeline/system/input_file.hpp"
 
 namespace pipeline {
 

@@ -22,7 +22,7 @@
 #include "pipeline/result/layout.hpp"
 #include "pipeline/result/seal.hpp"
 #include "pipeline/system/child.hpp"
-#include "pipeline/system/foreign.hpp"
+#include "pipeline/system/input_file.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 
@@ -247,6 +247,11 @@ geometry::Mesh read_mesh(const Reader& from, const std::string& name) {
   mesh.shape = json_object(from, path, "shape");
   mesh.surface_deviation = from.attribute<double>(path, "surface_deviation");
   mesh.sphere_radius = sphere_radius(mesh.shape);
+  if (!from.has(path + "/contact_spheres")) return mesh;
+  for (const auto& [x, y, z, radius] :
+       from.values<std::array<double, 4>>(path + "/contact_spheres", Type::f64, {kAny, 4}))
+    mesh.contact_spheres.push_back({{x, y, z}, radius});
+  mesh.contact_deviation = from.attribute<double>(path, "contact_deviation");
   return mesh;
 }
 
@@ -296,6 +301,24 @@ PhysicsRows read_physics(const Reader& from, std::uint64_t steps) {
   return physics;
 }
 
+ForeignFacts read_facts(const Reader& from, const std::string& path, std::uint64_t steps) {
+  const auto text = [&](const char* name) { return from.attribute<std::string>(path, name); };
+  ForeignFacts facts;
+  facts.transport = text("transport");
+  facts.command = text("command");
+  facts.files = json_object(from, path, "files_sha256");
+  facts.version = text("version");
+  facts.language = text("language");
+  facts.precision = text("precision");
+  facts.threads = from.attribute<std::int64_t>(path, "threads");
+  facts.reason = text("reason");
+  facts.steps_done = from.attribute<std::int64_t>(path, "steps_done");
+  const bool complete = one_of(from, path, "status", {"complete", "failed"}) == "complete";
+  if (complete != facts.reason.empty() || facts.steps_done < 0 || std::uint64_t(facts.steps_done) > steps)
+    throw h5::Failure("attributes of " + path + ": status, reason and steps_done do not fit each other");
+  return facts;
+}
+
 std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::uint64_t bodies) {
   std::vector<Answers> all;
   std::set<std::string> known;
@@ -312,20 +335,19 @@ std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::
     answers.thesis_key = text("thesis_key");
     answers.operations_unit = text("operations_unit");
     answers.scope = one_of(from, path, "scope", {"pair", "scene"});
+    if (from.has_attribute(path, "library")) answers.library = text("library");
+    if (from.has_attribute(path, "transport")) answers.foreign = read_facts(from, path, steps);
     answers.machine = {text("host"), text("processor"), text("build"), text("date")};
     answers.hits = from.pairs(path, steps, bodies);
     all.push_back(std::move(answers));
   }
-  for (const auto& column : kResultTimes) from.answers("/results", column, steps, all);
-  for (const auto& column : kResultCounts) from.answers("/results", column, steps, all);
+  each_answer_column([&](const auto& column) { from.answers("/results", column, steps, all); });
   return all;
 }
 
 std::vector<Summary> read_summary(const Reader& from, std::uint64_t algorithms) {
   std::vector<Summary> rows(algorithms);
-  for (const auto& column : kSummaryCounts) from.rows("/summary", column, rows);
-  for (const auto& column : kSummaryReals) from.rows("/summary", column, rows);
-  from.rows("/summary", kSummaryKept, rows);
+  each_summary_column([&](const auto& column) { from.rows("/summary", column, rows); });
   return rows;
 }
 
@@ -352,7 +374,7 @@ Extremes read_extremes(const Reader& from, std::uint64_t steps, std::uint64_t al
   for (const auto& column : kCaseFlags) from.rows("/extremes", column, extremes.rows);
   if (algorithms == 0) return extremes;
   extremes.answers.resize(algorithms);
-  for (const auto& column : kCaseAnswerFlags) from.answers("/extremes", column, steps, extremes.answers);
+  each_case_answer_column([&](const auto& column) { from.answers("/extremes", column, steps, extremes.answers); });
   from.rows("/extremes", kCaseReason, extremes.answers);
   return extremes;
 }
@@ -367,13 +389,6 @@ void read_contained_inside(const Reader& from, Result& result) {
   result.bodies.closed_within = from.attribute<double>("/truth", "closed_within");
   for (const geometry::Mesh& mesh : result.bodies.meshes)
     result.truth.closed_within.push_back(from.attribute<double>("/meshes/" + mesh.name, "closed_within"));
-}
-
-void read_contained_hits(const Reader& from, std::uint64_t steps, Result& result) {
-  from.answers("/results", kContainedHit, steps, result.answers);
-  const auto totals =
-      from.values<std::uint64_t>(std::string("/summary/") + kContainedHit.name, {result.answers.size()});
-  for (std::size_t a = 0; a < totals.size(); ++a) result.summary[a].contained_hit = totals[a];
 }
 
 Provenance read_provenance(const Reader& from) {
@@ -435,7 +450,6 @@ Result read_all(const Reader& from) {
   if (from.has("/algorithm")) {
     result.answers = read_answers(from, steps, bodies);
     result.summary = read_summary(from, result.answers.size());
-    if (result.truth.containment == Containment::record) read_contained_hits(from, steps, result);
   }
   if (from.has("/passes")) result.passes = read_passes(from, result.answers.size());
   if (from.has("/extremes")) result.extremes = read_extremes(from, steps, result.answers.size());
@@ -649,7 +663,7 @@ void try_reading(const InputFile& file, const path& path, Seal seal, bool unseal
 
 std::map<std::string, std::string> digests(const Result& result) { return digests(layout(result)); }
 
-void write_result(Result& result, Target& target) {
+void write_result(Result& result, OutputFile& target) {
   try {
     const auto groups = layout(result);
     const auto all = digests(groups);
@@ -661,7 +675,7 @@ void write_result(Result& result, Target& target) {
 }
 
 void write_result(Result& result, const path& path) {
-  Target target(path, Existing::replace);
+  OutputFile target(path, Existing::replace);
   write_result(result, target);
 }
 

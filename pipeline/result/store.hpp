@@ -17,7 +17,7 @@ constexpr int kSchemaVersion = 1;
 constexpr char kSealed[] = "sealed";
 
 /// Writes the whole result at its place. Fills in `result.digest`. Throws Error(kFile).
-void write_result(Result& result, Target& target);
+void write_result(Result& result, OutputFile& target);
 
 /// Writes a result at once; an existing file is replaced.
 void write_result(Result& result, const std::filesystem::path& path);

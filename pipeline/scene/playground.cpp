@@ -237,7 +237,7 @@ PlaygroundPath read_path(const Section& s, const std::vector<std::string>& obsta
     s.only({"name", "targets", "from", "to", "rotation", "orientation"});
     for (const char* key : {"from", "to"})
       if (!s.has(key)) s.fail("missing key '" + s.full(key) + "'; a path has an axis, or from and to");
-    double from[3], to[3];
+    double from[3] = {}, to[3] = {};
     s.reals("from", from, kCoordinate);
     s.reals("to", to, kCoordinate);
     path.from = {from[0], from[1], from[2]};
@@ -355,17 +355,14 @@ Scene make(const SceneConfig& config) {
   Scene scene;
   geometry::Bodies& bodies = scene.bodies;
   const Shapes shapes(playground);
-  bodies.mesh = shapes.of_body;
   std::vector<geometry::Pose> poses(1);
-  bodies.name.push_back("hero");
+  bodies.add("hero", shapes.of_body[0]);
   const double apart = spacing(playground);
   const std::size_t row = columns(playground);
   for (std::size_t o = 0; o < playground.obstacles.size(); ++o) {
-    bodies.name.push_back(playground.obstacles[o].name);
+    bodies.add(playground.obstacles[o].name, shapes.of_body[o + 1], true);
     poses.push_back({playground.obstacles[o].orientation, {apart * double(o % row), 0, apart * double(o / row)}});
   }
-  bodies.fixed.assign(bodies.size(), 1);
-  bodies.fixed[0] = 0;
   bodies.chosen.assign(bodies.size(), 0);
   bodies.chosen[0] = 1;
   // A mesh is named after the first body that has it.

@@ -5,6 +5,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "pipeline/result/answer_chunk.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -36,20 +37,6 @@ Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
   } catch (const std::bad_alloc&) {
     throw OutOfMemory(choice, bodies);
   }
-}
-
-/// The columns of `answers` that a chunk holds, in the order they are written and read.
-template <class Visit>
-void for_each_column(Answers& answers, bool counts_contained, Visit visit) {
-  visit(answers.time_ns);
-  visit(answers.time_median_ns);
-  visit(answers.prepare_ns);
-  visit(answers.operations);
-  visit(answers.true_positive);
-  visit(answers.false_positive);
-  visit(answers.false_negative);
-  visit(answers.rounding_miss);
-  if (counts_contained) visit(answers.contained_hit);
 }
 
 std::uint64_t rounding_misses(Method& method, std::span<const Pose> poses, std::span<const Pair> missed) {
@@ -157,7 +144,7 @@ void refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choi
 
 std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<Pose>>& poses, const Truth& truth,
                             const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Machine& machine,
-                            const Part* part, Progress& progress) {
+                            const Checkpoint* part, Progress& progress) {
   std::vector<Answers> all;
   for (const AlgorithmChoice& choice : choices) {
     const algorithms::Algorithm& row = *algorithms::find(choice.name);
@@ -169,11 +156,11 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     answers.thesis_key = row.thesis_key;
     answers.operations_unit = row.operations_unit;
     answers.scope = algorithms::text(row.scope);
+    if (!row.library.name.empty()) answers.library = row.library.name + " " + row.library.version;
     answers.machine = machine;
     all.push_back(std::move(answers));
   }
 
-  const bool counts_contained = truth.containment == Containment::record;
   std::vector<Entry> entries;  // made when the first chunk needs them
   std::vector<Pair> timed_hits;
   const std::int64_t steps = std::int64_t(poses.size());
@@ -182,17 +169,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     const std::string name = chunk_name("answers", first);
     if (const auto kept = part ? part->load(name) : std::nullopt) {
       ChunkReader in(*kept);
-      for (Answers& answers : all) {
-        PairLists hits;
-        hits.offset = in.get<std::uint64_t>();
-        hits.pair = in.get<Pair>();
-        in.require(sound(hits, std::uint64_t(last - first), bodies.size()));
-        answers.hits.append_steps(hits);
-        for_each_column(answers, counts_contained, [&]<class T>(std::vector<T>& column) {
-          const std::vector<T> rows = in.get<T>(std::size_t(last - first));
-          column.insert(column.end(), rows.begin(), rows.end());
-        });
-      }
+      for (Answers& answers : all) append_steps(get_steps(in, last - first, bodies.size()), answers);
       progress.add(std::uint64_t(last - first), false);
       continue;
     }
@@ -216,15 +193,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     }
     if (part) {
       ChunkWriter out;
-      for (Answers& answers : all) {
-        PairLists hits;
-        for (std::int64_t step = first; step < last; ++step) hits.append(answers.hits.at(step));
-        out.put(hits.offset);
-        out.put(hits.pair);
-        for_each_column(answers, counts_contained, [&]<class T>(std::vector<T>& column) {
-          out.put(std::vector<T>(column.begin() + first, column.begin() + last));
-        });
-      }
+      for (const Answers& answers : all) put_steps(answers, first, last, out);
       part->save(name, out.bytes);
     }
   }

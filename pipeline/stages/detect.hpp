@@ -34,6 +34,6 @@ void check_hits(std::span<const geometry::Pair> hits, std::span<const geometry::
 /// it; `part` may be null.
 std::vector<Answers> detect(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
                             const Truth& truth, const std::vector<AlgorithmChoice>& choices, std::int64_t repeats,
-                            const Machine& machine, const Part* part, Progress& progress);
+                            const Machine& machine, const Checkpoint* part, Progress& progress);
 
 }  // namespace pipeline

@@ -6,6 +6,9 @@
 
 #include "geometry/decision/contain.hpp"
 #include "geometry/decision/meet.hpp"
+#include "pipeline/result/answer_chunk.hpp"
+#include "pipeline/result/columns.hpp"
+#include "pipeline/result/layout.hpp"
 #include "pipeline/stages/detect.hpp"
 #include "pipeline/terminal/error.hpp"
 
@@ -23,10 +26,8 @@ enum Failed : std::uint8_t { kWell = 0, kRefused = 1, kThrew = 2 };
 Bodies two_of(const Bodies& all, std::uint32_t first, std::uint32_t second) {
   Bodies out;
   for (const std::uint32_t body : {first, second}) {
-    out.mesh.push_back(std::uint32_t(out.meshes.size()));
+    out.add(all.name[body], std::uint32_t(out.meshes.size()));
     out.meshes.push_back(all.mesh_of(body));
-    out.name.push_back(all.name[body]);
-    out.fixed.push_back(0);
   }
   return out;
 }
@@ -58,34 +59,23 @@ bool reports(algorithms::Method& method, const std::vector<Pose>& poses) {
   return !hits.empty();
 }
 
-/// The columns of `from` after those of `to`.
-void append(const Answers& from, const CaseSet& set, Answers& to) {
-  const Pair pair{std::min(set.a, set.b), std::max(set.a, set.b)};
-  for (std::size_t s = 0; s < from.hits.steps(); ++s) to.hits.append(std::vector<Pair>(from.hits.at(s).size(), pair));
-  const auto add = [](const auto& values, auto& column) { column.insert(column.end(), values.begin(), values.end()); };
-  add(from.time_ns, to.time_ns);
-  add(from.time_median_ns, to.time_median_ns);
-  add(from.prepare_ns, to.prepare_ns);
-  add(from.operations, to.operations);
-  add(from.true_positive, to.true_positive);
-  add(from.false_positive, to.false_positive);
-  add(from.false_negative, to.false_negative);
-  add(from.rounding_miss, to.rounding_miss);
-  add(from.contained_hit, to.contained_hit);
+/// The steps of `from`, which knows two bodies, after those of `to`, which knows all.
+void append(Answers from, const CaseSet& set, Answers& to) {
+  for (Pair& pair : from.hits.pair) pair = {std::min(set.a, set.b), std::max(set.a, set.b)};
+  append_steps(from, to);
 }
 
 /// No answer: nothing is reported, so what meets is missed.
 Answers silence(const Truth& truth, std::size_t steps) {
   Answers out;
+  each_answer_column([&](const auto& column) {
+    if (!column.optional) (out.*column.member).assign(steps, 0);
+  });
+  if (truth.containment == Containment::record) out.contained_hit.assign(steps, 0);
   for (std::size_t s = 0; s < steps; ++s) {
     out.hits.append({});
-    out.false_negative.push_back(truth.scoring(s).size());
+    out.false_negative[s] = truth.scoring(s).size();
   }
-  out.time_ns.assign(steps, 0);
-  out.time_median_ns = out.prepare_ns = out.time_ns;
-  out.operations.assign(steps, 0);
-  out.true_positive = out.false_positive = out.rounding_miss = out.operations;
-  if (truth.containment == Containment::record) out.contained_hit = out.operations;
   return out;
 }
 
@@ -152,43 +142,30 @@ void answer_all(const Stretch& range, const CaseSet& set, const AlgorithmChoice&
     (cases.*column).resize(cases.failed.size(), 0);
 }
 
-/// The columns that a chunk holds, in the order they are written and read.
-template <class Visit>
-void for_each_column(Answers& a, ExtremeAnswers& c, Visit visit) {
-  visit(a.time_ns);
-  visit(a.time_median_ns);
-  visit(a.prepare_ns);
-  visit(a.operations);
-  visit(a.true_positive);
-  visit(a.false_positive);
-  visit(a.false_negative);
-  visit(a.rounding_miss);
-  visit(a.contained_hit);
-  visit(c.reported);
-  visit(c.swapped);
-  visit(c.moved);
-  visit(c.failed);
-}
-
-std::string bytes_of(Answers& answers, ExtremeAnswers& cases) {
+/// Some steps of one algorithm, as a chunk holds them.
+std::string bytes_of(const Answers& answers, const ExtremeAnswers& cases) {
   ChunkWriter out;
-  out.put(answers.hits.offset);
-  out.put(answers.hits.pair);
-  for_each_column(answers, cases, [&](const auto& column) { out.put(column); });
+  put_steps(answers, 0, std::int64_t(answers.hits.steps()), out);
+  each_case_answer_column([&](const auto& column) { out.put(cases.*column.member); });
   out.put(cases.reason);
   return out.bytes;
 }
 
-void add_chunk(Answers& from, ExtremeAnswers& from_cases, Answers& to, ExtremeAnswers& to_cases) {
-  for (std::size_t s = 0; s < from.hits.steps(); ++s) to.hits.append(from.hits.at(s));
-  std::vector<const void*> columns;
-  for_each_column(from, from_cases, [&](const auto& column) { columns.push_back(&column); });
-  std::size_t next = 0;
-  for_each_column(to, to_cases, [&]<class T>(std::vector<T>& column) {
-    const auto& more = *static_cast<const std::vector<T>*>(columns[next++]);
-    column.insert(column.end(), more.begin(), more.end());
+ExtremeAnswers get_cases(ChunkReader& in, std::size_t steps) {
+  ExtremeAnswers cases;
+  each_case_answer_column(
+      [&]<class T>(const Column<ExtremeAnswers, std::vector<T>>& column) { cases.*column.member = in.get<T>(steps); });
+  cases.reason = in.text();
+  return cases;
+}
+
+void append_cases(const ExtremeAnswers& more, ExtremeAnswers& cases) {
+  each_case_answer_column([&](const auto& column) {
+    const auto& values = more.*column.member;
+    auto& all = cases.*column.member;
+    all.insert(all.end(), values.begin(), values.end());
   });
-  if (to_cases.reason.empty()) to_cases.reason = from_cases.reason;
+  if (cases.reason.empty()) cases.reason = more.reason;
 }
 
 }  // namespace
@@ -229,7 +206,8 @@ std::vector<ExtremeCase> extreme_rows(const Bodies& bodies, const Poses& poses, 
 
 ExtremesDetected detect_extremes(const Bodies& bodies, const Poses& poses, const Truth& truth,
                                  const std::vector<CaseSet>& sets, const std::vector<AlgorithmChoice>& choices,
-                                 std::int64_t repeats, const Machine& machine, const Part* part, Progress& progress) {
+                                 std::int64_t repeats, const Machine& machine, const Checkpoint* part,
+                                 Progress& progress) {
   ExtremesDetected all;
   {
     Progress silent("", 0, true);
@@ -245,18 +223,8 @@ ExtremesDetected detect_extremes(const Bodies& bodies, const Poses& poses, const
       for (std::size_t c = 0; c < choices.size(); ++c) {
         const std::string bytes = in.text();
         ChunkReader one(bytes);
-        Answers answers;
-        ExtremeAnswers cases;
-        answers.hits.offset = one.get<std::uint64_t>();
-        answers.hits.pair = one.get<Pair>();
-        one.require(sound(answers.hits, std::uint64_t(last - first), bodies.size()));
-        for_each_column(answers, cases, [&]<class T>(std::vector<T>& column) {
-          column = one.get<T>();
-          const bool absent = column.empty() && static_cast<const void*>(&column) == &answers.contained_hit;
-          one.require(absent || column.size() == std::size_t(last - first));
-        });
-        cases.reason = one.text();
-        add_chunk(answers, cases, all.answers[c], all.cases[c]);
+        append_steps(get_steps(one, last - first, bodies.size()), all.answers[c]);
+        append_cases(get_cases(one, std::size_t(last - first)), all.cases[c]);
       }
       progress.add(std::uint64_t(last - first), false);
       continue;
@@ -276,7 +244,8 @@ ExtremesDetected detect_extremes(const Bodies& bodies, const Poses& poses, const
     ChunkWriter out;
     for (std::size_t c = 0; c < choices.size(); ++c) {
       if (part) out.put(bytes_of(answers[c], cases[c]));
-      add_chunk(answers[c], cases[c], all.answers[c], all.cases[c]);
+      append_steps(answers[c], all.answers[c]);
+      append_cases(cases[c], all.cases[c]);
     }
     if (part) part->save(name, out.bytes);
   }

@@ -34,7 +34,7 @@ struct ExtremesDetected {
 ExtremesDetected detect_extremes(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
                                  const Truth& truth, const std::vector<CaseSet>& sets,
                                  const std::vector<AlgorithmChoice>& choices, std::int64_t repeats,
-                                 const Machine& machine, const Part* part, Progress& progress);
+                                 const Machine& machine, const Checkpoint* part, Progress& progress);
 
 /// One algorithm over some cases.
 struct ExtremesCount {

@@ -155,7 +155,7 @@ MotionTrial try_motion(const SceneConfig& config, const Scene& scene, std::vecto
   return out;
 }
 
-Motion integrate(const SceneConfig& config, const Scene& scene, const Part& part, Progress& progress,
+Motion integrate(const SceneConfig& config, const Scene& scene, const Checkpoint& part, Progress& progress,
                  const AfterChunk& after_chunk) {
   const std::size_t bodies = scene.bodies.size();
   Motion motion;

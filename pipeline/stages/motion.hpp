@@ -20,7 +20,7 @@ struct Motion {
 /// scene's rule, is data: from its step on moving bodies have NaN poses, and physics.status says why. Throws what
 /// SceneKind::events throws. `after_chunk`, where given, is shown the poses so far after every chunk.
 using AfterChunk = std::function<void(const std::vector<std::vector<geometry::Pose>>& poses)>;
-Motion integrate(const SceneConfig& config, const Scene& scene, const Part& part, Progress& progress,
+Motion integrate(const SceneConfig& config, const Scene& scene, const Checkpoint& part, Progress& progress,
                  const AfterChunk& after_chunk = {});
 
 /// What a motion from some states costs at first, found by integrating for about `seconds`.

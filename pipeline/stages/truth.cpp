@@ -107,7 +107,7 @@ TruthChunk decide_chunk(geometry::Decision& decision, geometry::GapSearch* searc
 }  // namespace
 
 Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses, int threads,
-             const Part& part, Progress& progress, Containment containment, std::optional<double> gap_margin) {
+             const Checkpoint& part, Progress& progress, Containment containment, std::optional<double> gap_margin) {
   Truth truth;
   truth.containment = containment;
   if (gap_margin) truth.gaps.emplace().margin = *gap_margin;

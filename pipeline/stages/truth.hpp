@@ -20,7 +20,7 @@ namespace pipeline {
 /// every mesh is open. With `gap_margin` (m) the gaps of pairs within it are found too; their time
 /// is no part of time_ns.
 Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses, int threads,
-             const Part& part, Progress& progress, Containment containment = Containment::ignore,
+             const Checkpoint& part, Progress& progress, Containment containment = Containment::ignore,
              std::optional<double> gap_margin = {});
 
 }  // namespace pipeline

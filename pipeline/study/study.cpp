@@ -213,7 +213,7 @@ StudyRow study_row(const Study& study, StudyRow row) {
 }
 
 std::vector<StudyRow> study_rows(const Study& study, const std::vector<StudyRow>& cases, int processes,
-                                 const Part& part, Progress& progress) {
+                                 const Checkpoint& part, Progress& progress) {
   std::vector<StudyRow> rows = cases;
   std::vector<std::size_t> missing;
   for (std::size_t i = 0; i < cases.size(); ++i) {

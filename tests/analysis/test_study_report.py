@@ -316,7 +316,7 @@ def test_errors_near_touching_are_counted_apart():
     assert figure.title == "Beyond rounding of touching one and two are never wrong"
     told = findings.answers(rounding)
     assert "one and two are never wrong in 2 cases farther than 1000 ulps from touching." in told
-    assert "Wrong within 1000 ulps of touching: two 33.33 % (0 missed, 1 invented)." in told
+    assert "Wrong within 1000 ulps of touching: two 33.33 % (0 missed, 1 false positive)." in told
 
 
 def test_decades_within_rounding_of_touching_are_in_no_bar_and_are_counted():
@@ -329,13 +329,13 @@ def test_decades_within_rounding_of_touching_are_in_no_bar_and_are_counted():
     assert "4 cases, counted apart; 1 of them are decades" in extremes_figures.gap_figure(run, "key").caption
 
 
-def test_what_is_missed_and_invented_far_from_touching_changes_the_finding():
+def test_what_is_missed_and_falsely_reported_far_from_touching_changes_the_finding():
     missing = answered(lambda label, name, meets: meets and label == "one")
     assert extremes_figures.gap_figure(missing, "key").title == "Beyond rounding of touching one is never wrong"
     assert ("Wrong farther than 1000 ulps from touching: two 50.00 % (1 missed, 0 "
-            "invented).") in findings.answers(missing)
+            "false positives).") in findings.answers(missing)
     inventing = answered(lambda label, name, meets: True)
-    assert "one and two invent but never miss" in extremes_figures.gap_figure(inventing, "key").title
+    assert "one and two have false positives but miss nothing" in extremes_figures.gap_figure(inventing, "key").title
 
 
 def test_offsets_are_compared_by_cases_that_are_alike_in_everything_else():
@@ -362,7 +362,7 @@ def test_offsets_are_compared_by_cases_that_are_alike_in_everything_else():
                                                                "offset do not compare")
 
 
-def test_missed_and_invented_have_one_colour_each_in_all_figures(monkeypatch):
+def test_misses_and_false_positives_have_one_colour_each_in_all_figures(monkeypatch):
     def bars(module, draw):
         drawn = []
         monkeypatch.setattr(module, "svg_of", lambda fig, titles=None: drawn.append(fig) or "")
@@ -404,7 +404,7 @@ def test_extremes_of_which_no_case_is_answered_are_drawn_and_said():
 def test_what_failed_is_left_out_of_shares_and_it_is_said():
     run = answered(lambda label, name, meets: label == "two")
     run.extremes.loc[(run.extremes["algorithm"] == "two") & (run.extremes["gap_class"] == "-1e-3"), "failed"] = True
-    assert "two 100.00 % of the 1 it answers (0 missed, 1 invented)" in "\n".join(findings.answers(run))
+    assert "two 100.00 % of the 1 it answers (0 missed, 1 false positive)" in "\n".join(findings.answers(run))
     lines = report.warnings([run], [])
     assert ("made: two failed in 1 of 5 cases; the summary, and errors against time and operations, count "
             "them as reporting nothing.") in lines

@@ -81,7 +81,7 @@ def test_check_says_what_would_run_and_writes_nothing(tmp_path):
     assert json.loads(pipeline("check", SMOKE, "--json").stdout)["bodies"] == 18
 
 
-@pytest.mark.parametrize("what", ["algorithms", "scenes", "shapes", "integrators", "problems"])
+@pytest.mark.parametrize("what", ["algorithms", "scenes", "shapes", "integrators", "problems", "keys", "datasets"])
 def test_list_names_what_configurations_can_name(what):
     names = [row["name"] for row in json.loads(pipeline("list", what, "--json").stdout)]
     assert names

@@ -4,6 +4,7 @@ import os
 import random
 import shutil
 import time
+import warnings
 
 import h5py
 import numpy as np
@@ -85,6 +86,18 @@ def test_times_attributes_and_configuration_are_under_the_seal(tmp_path):
             run = pipeline(*command)
             assert run.returncode == FILE and "--unsealed" in one_line(run), (name, command)
     assert not (tmp_path / "b.json").exists() and not (tmp_path / "vtk").exists()
+
+
+@pytest.mark.parametrize("shape", ["a.obj", "[]", '{"kind": ', '{"radius": NaN}', '{"a": ' * 40 + "1" + "}" * 40])
+def test_a_shape_that_is_no_object_is_refused_unsealed_too(tmp_path, shape):
+    path = shutil.copy(BOX, tmp_path / "x.h5")
+    with h5py.File(path, "r+") as file:
+        file["meshes"][next(iter(file["meshes"]))].attrs.modify("shape", shape)
+    run = pipeline("show", path, "--unsealed")
+    assert run.returncode == FILE and "is no JSON object" in one_line(run)
+    with pytest.raises(OSError, match="is no JSON object"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        load(path, unsealed=True)
 
 
 def test_own_datasets_are_read_when_asked_for_and_it_is_said(tmp_path):
@@ -236,9 +249,9 @@ def test_a_heap_that_the_library_loops_in_ends(tmp_path):
 def test_nothing_but_a_regular_file_is_opened(tmp_path):
     os.mkfifo(tmp_path / "fifo")
     for path in (tmp_path / "fifo", "/dev/zero"):
-        refused(str(path), "is not a regular file")
+        refused(str(path), "not a regular file")
         run = pipeline("score", BOX, "--against", path)
-        assert run.returncode == FILE and "is not a regular file" in one_line(run)
+        assert run.returncode == FILE and "not a regular file" in one_line(run)
     run = pipeline("score", BOX, "--against", tmp_path)
     assert run.returncode == FILE and "is a folder" in one_line(run)
 

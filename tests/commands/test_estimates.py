@@ -51,6 +51,8 @@ def measured(path, *arguments):
     ["configs/padani_knobs.toml", "--set", "steps=5"],
     ["configs/padani.toml", "--set", "steps=2", "--set", "algorithm=[{name='facet_distance',facets_per_area=200}]"],
     ["configs/stiffness.toml", "--set", "every=40"],
+    ["configs/heap.toml", "--set", "steps=150"],
+    ["configs/cup.toml", "--set", "steps=200"],
 ], ids=" ".join)
 def test_memory_and_file_are_within_a_factor_of_a_half(tmp_path, arguments):
     arguments = [str(ROOT / arguments[0]), *arguments[1:]]

@@ -1,5 +1,7 @@
 """The file is the interface: what h5py, xarray and analysis/load.py find in a result."""
 
+import json
+import re
 import shutil
 import warnings
 
@@ -7,7 +9,10 @@ import h5py
 import numpy as np
 import pytest
 import xarray
+from conftest import SCENES
 from editing import datasets, digests_of, edited, is_scale, objects, sealed
+
+from program import pipeline
 
 from analysis.load import load
 
@@ -147,6 +152,18 @@ def test_xarray_selects_by_label(result_file, file):
     with xarray.open_dataset(result_file, group="results", engine="h5netcdf") as results:
         hits = results.hits.sel(algorithm=label).values
     np.testing.assert_array_equal(hits, np.diff(file["answers"][label]["pair_offset"].astype(np.int64)))
+
+
+@pytest.mark.parametrize("config", SCENES, ids=lambda path: path.stem)
+def test_every_dataset_is_among_those_that_the_program_lists(small_file, config):
+    listed = {row["name"]: row for row in json.loads(pipeline("list", "datasets", "--json").stdout)}
+    with h5py.File(small_file(config)) as opened:
+        own = {path: found for path, found in datasets(opened).items() if path.count("/") == 1 or not is_scale(found)}
+        assert len(own) > 20
+        for path, dataset in own.items():
+            general = re.sub("^/answers/[^/]+", "/answers/<label>", re.sub("^/meshes/[^/]+", "/meshes/<mesh>", path))
+            assert listed[general]["unit"] == dataset.attrs["units"], path
+            assert listed[general]["what"] == dataset.attrs["long_name"], path
 
 
 def test_every_dataset_says_its_unit_and_meaning(file):

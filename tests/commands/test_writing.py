@@ -155,6 +155,23 @@ def test_a_full_stdout_is_told_by_every_command(smoke):
         assert one_line(run) == "stdout: cannot be written (No space left on device)"
 
 
+def test_who_reads_enough_is_no_failure(smoke):
+    """As in `scripts/analysis study FILE | head -1`: nothing is said."""
+    command = [sys.executable, "-m", "analysis", "study", str(smoke)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT) as run:
+        run.stdout.close()
+        assert run.stderr.read() == ""
+    assert run.returncode == 128 + signal.SIGPIPE
+
+
+@pytest.mark.parametrize("force", [[], ["--force"]])
+def test_a_pipe_at_the_place_of_the_result_is_called_no_regular_file(tmp_path, force):
+    os.mkfifo(tmp_path / "x.h5")
+    run = pipeline("run", SMOKE, "-o", tmp_path / "x.h5", *force)
+    assert run.returncode == FILE
+    assert one_line(run) == f"{tmp_path / 'x.h5'}: is not a regular file; choose another place"
+
+
 # ---- kills, races
 
 

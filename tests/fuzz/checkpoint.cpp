@@ -27,7 +27,7 @@ using namespace pipeline;
 using fuzz::require;
 
 constexpr std::int64_t kSteps = 3;
-const PartKey kKey{"c", "p"};
+const CheckpointKey kKey{"c", "p"};
 
 struct Replayed {
   geometry::Bodies bodies;
@@ -55,7 +55,7 @@ void require_lists(const PairLists& lists, std::size_t bodies) {
   }
 }
 
-void ask_motion(const Part& part, Progress& progress) {
+void ask_motion(const Checkpoint& part, Progress& progress) {
   static const Config config =
       parse_config("steps = 3\n[scene]\nkind = \"box\"\n[scene.births]\ncount = 2\n", "a.toml");
   static const Scene scene = make_scene(config);
@@ -63,7 +63,7 @@ void ask_motion(const Part& part, Progress& progress) {
   require(motion.poses.size() == kSteps && motion.physics.rows.size() == kSteps, "every step has its row");
 }
 
-void ask_truth(const Part& part, Progress& progress, const Replayed& scene, bool gaps) {
+void ask_truth(const Checkpoint& part, Progress& progress, const Replayed& scene, bool gaps) {
   const Truth truth = decide(scene.bodies, scene.poses, 1, part, progress, Containment::record,
                              gaps ? std::optional(1.0) : std::nullopt);
   require_lists(truth.hits, scene.bodies.size());
@@ -81,7 +81,7 @@ void ask_truth(const Part& part, Progress& progress, const Replayed& scene, bool
       "of every pair its gap");
 }
 
-void ask_answers(const Part& part, Progress& progress, const Replayed& scene) {
+void ask_answers(const Checkpoint& part, Progress& progress, const Replayed& scene) {
   static const Truth truth = [&] {
     Truth out;
     for (int s = 0; s < kSteps; ++s) out.hits.append({});
@@ -94,7 +94,7 @@ void ask_answers(const Part& part, Progress& progress, const Replayed& scene) {
   }
 }
 
-void ask_extremes(const Part& part, Progress& progress, const Replayed& scene) {
+void ask_extremes(const Checkpoint& part, Progress& progress, const Replayed& scene) {
   static const Truth truth = [&] {
     Truth out;
     for (int s = 0; s < kSteps; ++s) out.hits.append({});
@@ -107,7 +107,7 @@ void ask_extremes(const Part& part, Progress& progress, const Replayed& scene) {
   require(out.cases[0].reported.size() == kSteps && out.cases[0].failed.size() == kSteps, "every step has its flags");
 }
 
-void ask_study(const Part& part, Progress& progress) {
+void ask_study(const Checkpoint& part, Progress& progress) {
   static const Study study =
       *parse_config("study = \"integration\"\n[[sweep]]\nname = \"a\"\nproblem = \"drop\"\n", "a.toml").study;
   static const std::vector<StudyRow> cases = {study_cases(study).at(0)};
@@ -115,10 +115,10 @@ void ask_study(const Part& part, Progress& progress) {
 }
 
 void ask_status(const std::filesystem::path& folder) {
-  const PartStatus status = part_status(folder);
+  const CheckpointStatus status = checkpoint_status(folder);
   require(status.steps >= 1 && status.motion_steps <= status.steps && status.cases <= status.steps,
           "no more is done than there is");
-  Part(folder, kKey, "title", kSteps, /*force=*/false);
+  Checkpoint(folder, kKey, "title", kSteps, /*force=*/false);
 }
 
 }  // namespace
@@ -138,7 +138,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       std::ofstream(folder / "manifest.json", std::ios::binary) << content;
       return ask_status(folder), 0;
     }
-    const Part part(folder, kKey, "title", kSteps, /*force=*/true, kind == 'c');
+    const Checkpoint part(folder, kKey, "title", kSteps, /*force=*/true, kind == 'c');
     const char* stage = kind == 'm'                  ? "motion"
                         : kind == 't' || kind == 'g' ? "truth"
                         : kind == 'c'                ? "case"

@@ -20,9 +20,7 @@ struct Row {
   explicit Row(int steps) {
     bodies.meshes.push_back(geometry::sphere("sphere", 1, 8));
     for (const char* name : {"left", "middle", "right"}) {
-      bodies.name.push_back(name);
-      bodies.mesh.push_back(0);
-      bodies.fixed.push_back(0);
+      bodies.add(name, 0);
     }
     for (int s = 0; s < steps; ++s) {
       std::vector<Pose> step(3);
@@ -35,7 +33,7 @@ struct Row {
 
   Truth truth() const {
     const TemporaryFolder folder;
-    Part part(folder / "p", {}, "", std::int64_t(poses.size()), false);
+    Checkpoint part(folder / "p", {}, "", std::int64_t(poses.size()), false);
     Progress quiet("truth", poses.size(), true);
     return decide(bodies, poses, 1, part, quiet);
   }
@@ -48,7 +46,7 @@ std::vector<AlgorithmChoice> choices(std::initializer_list<const char*> names) {
 }
 
 std::vector<Answers> detected(const Row& row, const Truth& truth, const std::vector<AlgorithmChoice>& algorithms,
-                              const Part* part = nullptr, std::int64_t repeats = 2) {
+                              const Checkpoint* part = nullptr, std::int64_t repeats = 2) {
   Progress quiet("detect", row.poses.size(), true);
   return detect(row.bodies, row.poses, truth, algorithms, repeats, {}, part, quiet);
 }
@@ -69,7 +67,7 @@ TEST(Truth, DoesNotDependOnThreadsAndIsResumed) {
   const Row row(120);  // three chunks
   const TemporaryFolder folder;
   Progress quiet("truth", 0, true);
-  Part one(folder / "one", {}, "", 120, false), many(folder / "many", {}, "", 120, false);
+  Checkpoint one(folder / "one", {}, "", 120, false), many(folder / "many", {}, "", 120, false);
   const Truth alone = decide(row.bodies, row.poses, 1, one, quiet);
   const Truth together = decide(row.bodies, row.poses, 3, many, quiet);
   EXPECT_EQ(alone.hits.pair, together.hits.pair);
@@ -82,7 +80,7 @@ TEST(Truth, FindsGapsOnlyWhereAsked) {
   const Row row(13);
   EXPECT_FALSE(row.truth().gaps);
   const TemporaryFolder folder;
-  Part part(folder / "p", {}, "", 13, false);
+  Checkpoint part(folder / "p", {}, "", 13, false);
   Progress quiet("truth", 13, true);
   const Truth truth = decide(row.bodies, row.poses, 1, part, quiet, Containment::ignore, 0.6);
   ASSERT_TRUE(truth.gaps);
@@ -109,8 +107,8 @@ TEST(Truth, GapsDoNotDependOnThreadsAndAreResumed) {
   const Row row(120);
   const TemporaryFolder folder;
   Progress quiet("truth", 0, true);
-  Part one(folder / "one", {}, "", 120, false), many(folder / "many", {}, "", 120, false);
-  const auto asked = [&](int threads, const Part& part) {
+  Checkpoint one(folder / "one", {}, "", 120, false), many(folder / "many", {}, "", 120, false);
+  const auto asked = [&](int threads, const Checkpoint& part) {
     return *decide(row.bodies, row.poses, threads, part, quiet, Containment::ignore, 1).gaps;
   };
   const GapLists alone = asked(1, one);
@@ -151,7 +149,7 @@ TEST(Detect, TakesChunksFromThePartAndGoesOnAfterThem) {
   const auto algorithms = choices({"bounding_sphere", "obb_sat", "exact"});  // the last one remembers
   const std::vector<Answers> whole = detected(row, truth, algorithms);
   const TemporaryFolder folder;
-  Part part(folder / "p", {}, "", 120, false);
+  Checkpoint part(folder / "p", {}, "", 120, false);
   const std::vector<Answers> first = detected(row, truth, algorithms, &part);
   std::filesystem::remove(folder / ("p/" + chunk_name("answers", 50)));
   const std::vector<Answers> again = detected(row, truth, algorithms, &part);

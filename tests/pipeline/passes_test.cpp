@@ -34,7 +34,7 @@ const std::string kScene =
 struct Fixture {
   explicit Fixture(const std::string& scene_keys = kScene) : config(parse_config(scene_keys, "t.toml")) {
     scene = config.scene_kind->make(config);
-    Part part(folder / "p", {}, "", config.steps, false);
+    Checkpoint part(folder / "p", {}, "", config.steps, false);
     Progress quiet("truth", 1, true);
     truth = decide(scene.bodies, scene.script, 1, part, quiet);
     rows = pass_rows(scene.bodies, scene.script, truth, scene.passes, quiet);

@@ -36,8 +36,8 @@ std::string refusal(const std::vector<std::string>& sets) {
 /// The motion in a part of its own, or in `folder` if it is given.
 Motion motion_of(const Config& config, const std::filesystem::path& folder = {}) {
   const TemporaryFolder temporary;
-  Part part(folder.empty() ? temporary / "x.part" : folder, {.config_sha256 = "c", .program_sha256 = "p"}, "box",
-            config.steps, false);
+  Checkpoint part(folder.empty() ? temporary / "x.part" : folder, {.config_sha256 = "c", .program_sha256 = "p"}, "box",
+                  config.steps, false);
   Progress progress("motion", std::uint64_t(config.steps), true);
   return integrate(config, config.scene_kind->make(config), part, progress);
 }

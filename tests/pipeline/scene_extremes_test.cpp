@@ -49,7 +49,7 @@ std::string refusal(const std::string& keys, const std::string& root = "") {
 Truth truth_of(const Scene& scene, Containment containment = Containment::ignore) {
   const TemporaryFolder folder;
   const auto steps = std::int64_t(scene.script.size());
-  Part part(folder / "p", {}, "", steps, false);
+  Checkpoint part(folder / "p", {}, "", steps, false);
   Progress quiet("truth", 0, true);
   return decide(scene.bodies, scene.script, 1, part, quiet, containment);
 }
@@ -239,7 +239,7 @@ TEST(Extremes, ARefusalIsRecordedAndTheRestIsAnswered) {
   std::vector<AlgorithmChoice> choices = {parse_algorithm("facet_distance"), parse_algorithm("aabb")};
   Progress quiet("detect", 0, true);
   const TemporaryFolder folder;
-  Part part(folder / "p", {}, "", std::int64_t(scene.script.size()), false);
+  Checkpoint part(folder / "p", {}, "", std::int64_t(scene.script.size()), false);
   const auto found = detect_extremes(scene.bodies, scene.script, truth, scene.case_sets, choices, 1, {}, &part, quiet);
   ASSERT_EQ(found.cases.size(), 2u);
   for (std::size_t s = 0; s < scene.script.size(); ++s) {
@@ -313,9 +313,9 @@ TEST(Extremes, BadKeysAreRefusedWithPlaceAndRule) {
     EXPECT_NE(message.find(words), std::string::npos) << message;
   };
   refused("pairs = [\"box-bix\"]\n", "t.toml:3:10: ", "'scene.pairs.0' must be");
-  refused("pairs = [\"box-box\", \"box-box\"]\n", "t.toml:3:9: ", "name each but once");
+  refused("pairs = [\"box-box\", \"box-box\"]\n", "t.toml:3:9: ", "name each only once");
   refused("scales = []\n", "t.toml:3:10: ", "be an array of at least one number");
-  refused("scales = [1, 2, 1]\n", "t.toml:3:10: ", "name each but once");
+  refused("scales = [1, 2, 1]\n", "t.toml:3:10: ", "name each only once");
   refused("scales = [1e10]\n", "t.toml:3:11: ", "'scene.scales.0' must be a number of at least 1e-9 and at most 1e9");
   refused("scales = [nan]\n", "t.toml:3:11: ", "not nan");
   refused("offsets = [-1]\n", "t.toml:3:12: ", "'scene.offsets.0' must be");

@@ -143,7 +143,7 @@ TEST(StudyConfig, RefusesWhatMakesNoSense) {
   says(head + "[[sweep]]\nproblem = \"top\"\n[[sweep]]\nproblem = \"top\"\n", "only sweep of its name");
   for (const std::string twice : {"accuracy = [1e-3, 1e-4, 0.001]", "fixed_step = [0.1, 0.1]", "duration = [1, 2, 1.0]",
                                   "integrator = [\"Verlet\", \"Verlet\"]", "units = [\"SI\", \"SI\"]"})
-    says(head + "[[sweep]]\nproblem = \"pendulum\"\n" + twice + "\n", "name each but once");
+    says(head + "[[sweep]]\nproblem = \"pendulum\"\n" + twice + "\n", "name each only once");
   for (const std::string still : {"free_flight", "bounce", "damped_bounce", "two_balls", "thin_plate"})
     says(head + "[[sweep]]\nproblem = \"" + still + "\"\nspeed = 0\n", "must be a number above 0");
   says(head + "bodies = \"trees\"\n[[sweep]]\nproblem = \"top\"\n", "'bodies' must be \"free\" or \"tree\"");
@@ -298,10 +298,10 @@ TEST(StudyRows, AreTheSameTwiceAndTakenFromAPart) {
   const Config config = study("[[sweep]]\nproblem = \"two_balls\"\naccuracy = 1e-4\n");
   const auto cases = study_cases(*config.study);
   const TemporaryFolder folder;
-  pipeline::Part part(folder / "x.part", {"c", "p"}, "t", std::int64_t(cases.size()), false, true);
+  pipeline::Checkpoint part(folder / "x.part", {"c", "p"}, "t", std::int64_t(cases.size()), false, true);
   pipeline::Progress progress("cases", cases.size(), true);
   const auto first = pipeline::study_rows(*config.study, cases, 2, part, progress);
-  EXPECT_EQ(pipeline::part_status(folder / "x.part").cases, std::int64_t(cases.size()));
+  EXPECT_EQ(pipeline::checkpoint_status(folder / "x.part").cases, std::int64_t(cases.size()));
   const auto again = pipeline::study_rows(*config.study, cases, 1, part, progress);
   ASSERT_EQ(first.size(), cases.size());
   for (std::size_t i = 0; i < first.size(); ++i) {

@@ -1,3 +1,5 @@
+#include "pipeline/result/checkpoint.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -8,7 +10,6 @@
 
 #include "geometry/meshes/shapes.hpp"
 #include "pipeline/config.hpp"
-#include "pipeline/result/checkpoint.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/motion.hpp"
 #include "pipeline/stages/truth.hpp"
@@ -20,11 +21,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const PartKey kKey{.config_sha256 = "c1", .program_sha256 = "p1"};
+const CheckpointKey kKey{.config_sha256 = "c1", .program_sha256 = "p1"};
 
-std::string refusal(const fs::path& folder, const PartKey& key, bool force = false) {
+std::string refusal(const fs::path& folder, const CheckpointKey& key, bool force = false) {
   try {
-    Part part(folder, key, "title", 100, force);
+    Checkpoint part(folder, key, "title", 100, force);
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), kFile);
     return error.what();
@@ -51,9 +52,9 @@ void overwrite(const fs::path& file, std::streamoff at, char with) {
 
 }  // namespace
 
-TEST(Part, GivesBackWhatWasSaved) {
+TEST(Checkpoint, GivesBackWhatWasSaved) {
   const TemporaryFolder folder;
-  Part part(folder / "x.h5.part", kKey, "title", 100, false);
+  Checkpoint part(folder / "x.h5.part", kKey, "title", 100, false);
   EXPECT_FALSE(part.resumed());
   EXPECT_FALSE(part.load("motion-0000000"));
   const std::string content("a\0b\xff", 4);
@@ -63,12 +64,12 @@ TEST(Part, GivesBackWhatWasSaved) {
   EXPECT_EQ(part.load("truth-0000000"), "");
 }
 
-TEST(Part, IsResumedByTheSameKeyOnly) {
+TEST(Checkpoint, IsResumedByTheSameKeyOnly) {
   const TemporaryFolder folder;
   const fs::path path = folder / "x.h5.part";
-  { Part(path, kKey, "title", 100, false).save(chunk_name("motion", 0), "1"); }
+  { Checkpoint(path, kKey, "title", 100, false).save(chunk_name("motion", 0), "1"); }
   {
-    Part again(path, kKey, "title", 100, false);
+    Checkpoint again(path, kKey, "title", 100, false);
     EXPECT_TRUE(again.resumed());
     EXPECT_EQ(again.load(chunk_name("motion", 0)), "1");
   }
@@ -76,20 +77,20 @@ TEST(Part, IsResumedByTheSameKeyOnly) {
             std::string::npos);
   EXPECT_NE(refusal(path, {.config_sha256 = "c1", .program_sha256 = "p2"}).find("another build"), std::string::npos);
   // What was refused is still whole; --force empties it.
-  EXPECT_EQ(Part(path, kKey, "title", 100, false).load(chunk_name("motion", 0)), "1");
-  Part forced(path, {.config_sha256 = "c2", .program_sha256 = "p1"}, "title", 100, true);
+  EXPECT_EQ(Checkpoint(path, kKey, "title", 100, false).load(chunk_name("motion", 0)), "1");
+  Checkpoint forced(path, {.config_sha256 = "c2", .program_sha256 = "p1"}, "title", 100, true);
   EXPECT_FALSE(forced.resumed());
   EXPECT_FALSE(forced.load(chunk_name("motion", 0)));
 }
 
-TEST(Part, RefusesASecondWriterEvenWithForce) {
+TEST(Checkpoint, RefusesASecondWriterEvenWithForce) {
   const TemporaryFolder folder;
-  Part first(folder / "x.h5.part", kKey, "title", 100, false);
+  Checkpoint first(folder / "x.h5.part", kKey, "title", 100, false);
   EXPECT_NE(refusal(folder / "x.h5.part", kKey).find("another run"), std::string::npos);
   EXPECT_NE(refusal(folder / "x.h5.part", kKey, true).find("another run"), std::string::npos);
 }
 
-TEST(Part, NeverEmptiesAFolderThatIsNotItsOwn) {
+TEST(Checkpoint, NeverEmptiesAFolderThatIsNotItsOwn) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "x.h5.part");
   std::ofstream(folder / "x.h5.part/diary.txt") << "dear diary";
@@ -98,9 +99,9 @@ TEST(Part, NeverEmptiesAFolderThatIsNotItsOwn) {
 }
 
 // A torn or damaged chunk counts as absent, so its steps are computed again.
-TEST(Part, TakesNoDamagedChunk) {
+TEST(Checkpoint, TakesNoDamagedChunk) {
   const TemporaryFolder folder;
-  Part part(folder / "p", kKey, "title", 100, false);
+  Checkpoint part(folder / "p", kKey, "title", 100, false);
   part.save("truth-0000000", std::string(1000, 'x'));
   for (const std::streamoff at : {0, 8, 23, 24, 700, 1023}) {
     part.save("truth-0000050", std::string(1000, 'x'));
@@ -116,13 +117,13 @@ TEST(Part, TakesNoDamagedChunk) {
 }
 
 // A chunk is of its run: one of another configuration is never taken even where one is found.
-TEST(Part, NeverTakesTheChunksOfAnotherRun) {
+TEST(Checkpoint, NeverTakesTheChunksOfAnotherRun) {
   const TemporaryFolder folder;
   const fs::path path = folder / "p";
-  const PartKey other{.config_sha256 = "c2", .program_sha256 = "p1"};
-  { Part(path, kKey, "title", 100, false).save("motion-0000000", "theirs"); }
+  const CheckpointKey other{.config_sha256 = "c2", .program_sha256 = "p1"};
+  { Checkpoint(path, kKey, "title", 100, false).save("motion-0000000", "theirs"); }
   fs::copy_file(path / "motion-0000000", folder / "kept");
-  Part mine(path, other, "title", 100, true);
+  Checkpoint mine(path, other, "title", 100, true);
   EXPECT_FALSE(mine.resumed());
   EXPECT_FALSE(fs::exists(path / "motion-0000000"));
   fs::copy_file(folder / "kept", path / "motion-0000000");
@@ -131,9 +132,9 @@ TEST(Part, NeverTakesTheChunksOfAnotherRun) {
 
 // ... and of its step: until 29 November 2026 a chunk copied under the name of another was taken, and the run ended
 // with another digest and code 0.
-TEST(Part, NeverTakesAChunkUnderAnotherName) {
+TEST(Checkpoint, NeverTakesAChunkUnderAnotherName) {
   const TemporaryFolder folder;
-  Part part(folder / "p", kKey, "title", 100, false);
+  Checkpoint part(folder / "p", kKey, "title", 100, false);
   part.save("answers-0000000", "of step 0");
   fs::copy_file(folder / "p/answers-0000000", folder / "p/answers-0000050");
   EXPECT_FALSE(part.load("answers-0000050"));
@@ -141,7 +142,7 @@ TEST(Part, NeverTakesAChunkUnderAnotherName) {
 }
 
 // A folder that looks like ours, by a lock or by some manifest, was emptied without --force, and with it.
-TEST(Part, ErasesNothingInAFolderThatIsNotKnownAsItsOwn) {
+TEST(Checkpoint, ErasesNothingInAFolderThatIsNotKnownAsItsOwn) {
   const char* const kForeign[] = {
       R"({"name":"my web page"})", "{", "[]", R"({"kind":7,"steps":3})",
       R"({"config_sha256":"c1","inputs_sha256":"","program_sha256":"p1","title":"title","steps":100})"};
@@ -165,17 +166,17 @@ TEST(Part, ErasesNothingInAFolderThatIsNotKnownAsItsOwn) {
   }
 }
 
-TEST(Part, LeavesWhatOthersPutIntoItsFolder) {
+TEST(Checkpoint, LeavesWhatOthersPutIntoItsFolder) {
   const TemporaryFolder folder;
   const fs::path path = folder / "p";
-  const PartKey other{.config_sha256 = "c2", .program_sha256 = "p1"};
-  { Part(path, kKey, "title", 100, false).save("motion-0000000", "1"); }
+  const CheckpointKey other{.config_sha256 = "c2", .program_sha256 = "p1"};
+  { Checkpoint(path, kKey, "title", 100, false).save("motion-0000000", "1"); }
   std::ofstream(path / "notes.txt") << "mine";
   fs::create_directory(path / "truth-0000050");
   fs::create_symlink(folder / "elsewhere", path / "truth-0000100");
   const std::set<std::string> foreign{"notes.txt", "truth-0000050", "truth-0000100"};
   {
-    Part part(path, other, "title", 100, true);
+    Checkpoint part(path, other, "title", 100, true);
     EXPECT_FALSE(fs::exists(path / "motion-0000000"));
     part.save("motion-0000000", "2");
     testing::internal::CaptureStderr();
@@ -186,7 +187,7 @@ TEST(Part, LeavesWhatOthersPutIntoItsFolder) {
   EXPECT_EQ(names_in(path), foreign);
 }
 
-TEST(Part, IsNoLink) {
+TEST(Checkpoint, IsNoLink) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "elsewhere");
   fs::create_directory_symlink(folder / "elsewhere", folder / "p");
@@ -195,10 +196,10 @@ TEST(Part, IsNoLink) {
 }
 
 // Chunks were written through whatever link stood at their name with ".new".
-TEST(Part, WritesThroughNoLink) {
+TEST(Checkpoint, WritesThroughNoLink) {
   const TemporaryFolder folder;
   std::ofstream(folder / "precious") << "precious";
-  Part part(folder / "p", kKey, "title", 100, false);
+  Checkpoint part(folder / "p", kKey, "title", 100, false);
   for (const char* name : {"p/motion-0000000", "p/motion-0000000.new", "p/.motion-0000000.new"})
     fs::create_symlink(folder / "precious", folder / name);
   part.save("motion-0000000", "chunk");
@@ -206,9 +207,9 @@ TEST(Part, WritesThroughNoLink) {
   EXPECT_EQ(text_of(folder / "precious"), "precious");
 }
 
-TEST(Part, ReadsThroughNoLinkAndTellsWhatItCannotRead) {
+TEST(Checkpoint, ReadsThroughNoLinkAndTellsWhatItCannotRead) {
   const TemporaryFolder folder;
-  Part part(folder / "p", kKey, "title", 100, false);
+  Checkpoint part(folder / "p", kKey, "title", 100, false);
   part.save("truth-0000000", "chunk");
   fs::create_symlink("truth-0000000", folder / "p/motion-0000000");
   fs::create_directory(folder / "p/motion-0000050");
@@ -226,19 +227,19 @@ TEST(Part, ReadsThroughNoLinkAndTellsWhatItCannotRead) {
   }
 }
 
-TEST(Part, SweepsWhatAKillLeftWhileAChunkWasWritten) {
+TEST(Checkpoint, SweepsWhatAKillLeftWhileAChunkWasWritten) {
   const TemporaryFolder folder;
   const fs::path path = folder / "p";
-  { Part(path, kKey, "title", 100, false).save("motion-0000000", "1"); }
+  { Checkpoint(path, kKey, "title", 100, false).save("motion-0000000", "1"); }
   for (const char* name : {".motion-0000050.0123abcd.new", ".manifest.json.89abcdef.new", ".notes.0123abcd.new"})
     std::ofstream(path / name) << "half";
-  Part again(path, kKey, "title", 100, false);
+  Checkpoint again(path, kKey, "title", 100, false);
   EXPECT_TRUE(again.resumed());
   EXPECT_EQ(names_in(path), (std::set<std::string>{".notes.0123abcd.new", "lock", "manifest.json", "motion-0000000"}));
 }
 
 // A kill before the first manifest leaves a folder with nothing but its lock, or with half a manifest.
-TEST(Part, TakesOverWhatAKillLeftAtTheVeryBeginning) {
+TEST(Checkpoint, TakesOverWhatAKillLeftAtTheVeryBeginning) {
   for (const char* name : {"lock", ".manifest.json.0123abcd.new"}) {
     const TemporaryFolder folder;
     fs::create_directory(folder / "p");
@@ -248,57 +249,57 @@ TEST(Part, TakesOverWhatAKillLeftAtTheVeryBeginning) {
 }
 
 // A run that failed before it had anything leaves no folders, at any level.
-TEST(Part, LeavesNothingWhenNothingWasSaved) {
+TEST(Checkpoint, LeavesNothingWhenNothingWasSaved) {
   const TemporaryFolder folder;
-  { Part part(folder / "a/b/p", kKey, "title", 100, false); }
+  { Checkpoint part(folder / "a/b/p", kKey, "title", 100, false); }
   EXPECT_FALSE(fs::exists(folder / "a"));
-  { Part(folder / "a/b/p", kKey, "title", 100, false).save("truth-0000000", "1"); }
+  { Checkpoint(folder / "a/b/p", kKey, "title", 100, false).save("truth-0000000", "1"); }
   EXPECT_TRUE(fs::exists(folder / "a/b/p/truth-0000000"));
 }
 
 // Killed between the result's rename and the folder's removal: the next run clears it away.
-TEST(Part, ACompleteFolderIsRemovedOnlyWhenItIsCompleteAndFree) {
+TEST(Checkpoint, ACompleteFolderIsRemovedOnlyWhenItIsCompleteAndFree) {
   const TemporaryFolder folder;
   const fs::path path = folder / "p";
   {
-    Part part(path, kKey, "title", 100, false);
+    Checkpoint part(path, kKey, "title", 100, false);
     part.save("truth-0000000", "1");
-    Part::remove_complete(path);
+    Checkpoint::remove_complete(path);
     EXPECT_TRUE(fs::exists(path / "truth-0000000")) << "not complete";
     part.mark_complete();
-    Part::remove_complete(path);
+    Checkpoint::remove_complete(path);
     EXPECT_TRUE(fs::exists(path / "manifest.json")) << "another run holds it";
   }
-  EXPECT_TRUE(Part(path, kKey, "title", 100, false).resumed()) << "complete is still the same run";
+  EXPECT_TRUE(Checkpoint(path, kKey, "title", 100, false).resumed()) << "complete is still the same run";
   EXPECT_TRUE(fs::exists(path / "truth-0000000"));
-  Part::remove_complete(path);
+  Checkpoint::remove_complete(path);
   EXPECT_FALSE(fs::exists(path));
 }
 
-TEST(Part, RefusesManifestsOfNonsense) {
+TEST(Checkpoint, RefusesManifestsOfNonsense) {
   const TemporaryFolder folder;
   for (const char* text : {"", "{", "[]", "{\"steps\":\"x\"}", "{\"steps\":-1}", "{\"steps\":4000000000000000000}"}) {
     fs::create_directories(folder / "p");
     std::ofstream(folder / "p/manifest.json") << text;
-    EXPECT_THROW(part_status(folder / "p"), Error) << text;
+    EXPECT_THROW(checkpoint_status(folder / "p"), Error) << text;
     EXPECT_NE(refusal(folder / "p", kKey), "") << text;
   }
 }
 
-TEST(Part, SaysHowFarItIs) {
+TEST(Checkpoint, SaysHowFarItIs) {
   const TemporaryFolder folder;
-  Part part(folder / "p", kKey, "A title", 120, false);
+  Checkpoint part(folder / "p", kKey, "A title", 120, false);
   part.save(chunk_name("motion", 0), "");
   part.save(chunk_name("motion", 50), "");
   part.save(chunk_name("motion", 100), "");
   part.save(chunk_name("truth", 50), "");
-  const PartStatus status = part_status(folder / "p");
+  const CheckpointStatus status = checkpoint_status(folder / "p");
   EXPECT_EQ(status.title, "A title");
   EXPECT_EQ(status.steps, 120);
   EXPECT_EQ(status.motion_steps, 120);
   EXPECT_EQ(status.truth_steps, 50);
   EXPECT_EQ(status.answered_steps, 0);
-  EXPECT_THROW(part_status(folder / "elsewhere"), Error);
+  EXPECT_THROW(checkpoint_status(folder / "elsewhere"), Error);
 }
 
 TEST(Chunk, ReadsWhatWasWritten) {
@@ -314,27 +315,27 @@ TEST(Chunk, ReadsWhatWasWritten) {
 }
 
 // It asked the disk for every step that the manifest spoke of: 10^7 cases stalled `show`.
-TEST(Part, CountsWhatIsThere) {
+TEST(Checkpoint, CountsWhatIsThere) {
   const TemporaryFolder folder;
   std::ofstream(folder / "manifest.json")
       << R"({"kind":"collision benchmark checkpoint","title":"t","steps":10000000,"study":true})";
   for (const char* name : {"case-0000003", "case-9999999", "case-10000000", "case-3", "case-0000004.new", "lock"})
     std::ofstream(folder / name) << "x";
-  EXPECT_EQ(part_status(folder / "").cases, 2);
+  EXPECT_EQ(checkpoint_status(folder / "").cases, 2);
   std::ofstream(folder / "manifest.json") << R"({"kind":"collision benchmark checkpoint","title":"t","steps":130})";
   for (const char* name : {"motion-0000000", "motion-0000050", "truth-0000100", "answers-0000007", "truth-0000150"})
     std::ofstream(folder / name) << "x";
-  const PartStatus status = part_status(folder / "");
+  const CheckpointStatus status = checkpoint_status(folder / "");
   EXPECT_EQ(status.motion_steps, 100);
   EXPECT_EQ(status.truth_steps, 30);
   EXPECT_EQ(status.answered_steps, 0);
 }
 
-TEST(Part, RefusesAManifestThatIsNone) {
+TEST(Checkpoint, RefusesAManifestThatIsNone) {
   const TemporaryFolder folder;
   const auto code = [&] {
     try {
-      part_status(folder / "");
+      checkpoint_status(folder / "");
     } catch (const Error& error) {
       return error.code();
     }
@@ -358,7 +359,7 @@ TEST(ChunkReader, AllocatesNothingForWhatIsNotThere) {
 }
 
 // Chunks whose checksum holds although no run wrote them: the lists would be read beyond their ends.
-TEST(Part, TakesNoChunkOfAnotherSize) {
+TEST(Checkpoint, TakesNoChunkOfAnotherSize) {
   TemporaryFolder folder;
   geometry::Bodies bodies;
   bodies.meshes = {geometry::box("box", {1, 1, 1})};
@@ -374,7 +375,7 @@ TEST(Part, TakesNoChunkOfAnotherSize) {
     out.put(std::vector<Pair>{});
     out.put(std::vector<std::uint32_t>{});
     out.put(std::vector<std::int64_t>(times));
-    Part part(folder / "p", kKey, "title", 3, true);
+    Checkpoint part(folder / "p", kKey, "title", 3, true);
     part.save(chunk_name("truth", 0), out.bytes);
     Progress progress("", 0, true);
     return decide(bodies, poses, 1, part, progress);
@@ -389,7 +390,7 @@ TEST(Part, TakesNoChunkOfAnotherSize) {
   EXPECT_THROW(truth_of({{0, 1, 1, 1}, {{0, 1}}}, 4), std::logic_error);           // more times than steps
 }
 
-TEST(Part, TakesNoMotionOfAnotherSize) {
+TEST(Checkpoint, TakesNoMotionOfAnotherSize) {
   TemporaryFolder folder;
   const Config config = parse_config("steps = 3\n[scene]\nkind = \"box\"\n[scene.births]\ncount = 2\n", "a.toml");
   const Scene scene = make_scene(config);
@@ -399,7 +400,7 @@ TEST(Part, TakesNoMotionOfAnotherSize) {
     out.put(std::vector<PhysicsSample>(rows));
     out.put(failure);
     out.put(std::vector<double>{0});
-    Part part(folder / "p", kKey, "title", 3, true);
+    Checkpoint part(folder / "p", kKey, "title", 3, true);
     part.save(chunk_name("motion", 0), out.bytes);
     Progress progress("", 0, true);
     return integrate(config, scene, part, progress);

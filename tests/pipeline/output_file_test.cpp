@@ -1,4 +1,6 @@
 // Where results go: whole or not at all, and nothing of others is touched.
+#include "pipeline/result/output_file.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -9,7 +11,6 @@
 #include <memory>
 #include <set>
 
-#include "pipeline/result/output_file.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -31,7 +32,7 @@ std::string text_of(const fs::path& file) {
 
 void put(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
 
-void write(Target& target, const std::string& text) { target.write(std::as_bytes(std::span(text))); }
+void write(OutputFile& target, const std::string& text) { target.write(std::as_bytes(std::span(text))); }
 
 /// The file in the making: ".NAME.<8 digits>.new".
 fs::path in_the_making(const fs::path& folder) {
@@ -68,7 +69,7 @@ class TargetTest : public testing::Test {
 
 TEST_F(TargetTest, ComesToItsPlaceWholeAndLeavesNothingElse) {
   {
-    Target target(file, Existing::refuse);
+    OutputFile target(file, Existing::refuse);
     EXPECT_FALSE(fs::exists(file));
     write(target, "whole");
   }
@@ -77,9 +78,9 @@ TEST_F(TargetTest, ComesToItsPlaceWholeAndLeavesNothingElse) {
 }
 
 TEST_F(TargetTest, KeepsASecondWriterOutUntilItEnds) {
-  const auto second = [&] { Target(file, Existing::replace); };
+  const auto second = [&] { OutputFile(file, Existing::replace); };
   {
-    const Target first(file, Existing::replace);
+    const OutputFile first(file, Existing::replace);
     EXPECT_NE(refusal(second).find("being written by another run"), std::string::npos);
   }
   EXPECT_EQ(refusal(second), "");
@@ -93,7 +94,7 @@ TEST_F(TargetTest, SweepsWhatAKillLeftAndNothingElse) {
   put(folder / ".x.h5.0123abcd.new", "half a result");
   put(folder / ".x.h5.lock", "");
   fs::create_directory(folder / ".x.h5.00000000.new");
-  { Target(file, Existing::refuse); }
+  { OutputFile(file, Existing::refuse); }
   auto left = others;
   left.insert(".x.h5.00000000.new");
   EXPECT_EQ(names_in(folder), left);
@@ -104,7 +105,7 @@ TEST_F(TargetTest, SweepsAlsoWhereItRefuses) {
   put(file, "result");
   put(folder / ".x.h5.lock", "");
   put(folder / ".x.h5.0123abcd.new", "half a result");
-  EXPECT_NE(refusal([&] { Target(file, Existing::refuse); }).find("exists"), std::string::npos);
+  EXPECT_NE(refusal([&] { OutputFile(file, Existing::refuse); }).find("exists"), std::string::npos);
   EXPECT_EQ(names_in(folder), std::set<std::string>{"x.h5"});
 }
 
@@ -113,23 +114,24 @@ TEST_F(TargetTest, FollowsNoLink) {
   put(folder / "precious", "precious");
   fs::create_symlink("precious", folder / ".x.h5.new");
   {
-    Target target(file, Existing::refuse);
+    OutputFile target(file, Existing::refuse);
     write(target, "result");
   }
   EXPECT_EQ(text_of(folder / "precious"), "precious");
   EXPECT_TRUE(fs::is_symlink(folder / ".x.h5.new"));
 
   fs::create_symlink("precious", folder / ".y.h5.lock");
-  EXPECT_NE(refusal([&] { Target(folder / "y.h5", Existing::refuse); }), "");
+  EXPECT_NE(refusal([&] { OutputFile(folder / "y.h5", Existing::refuse); }), "");
   fs::create_symlink("precious", folder / "z.h5");
   for (const Existing existing : {Existing::refuse, Existing::replace, Existing::update})
-    EXPECT_NE(refusal([&] { Target(folder / "z.h5", existing); }), "");
+    EXPECT_NE(refusal([&] { OutputFile(folder / "z.h5", existing); }), "");
   EXPECT_EQ(text_of(folder / "precious"), "precious");
 }
 
 TEST_F(TargetTest, TakesNoLockFileOfAnother) {
   put(folder / ".x.h5.lock", "pid 7");
-  EXPECT_NE(refusal([&] { Target(file, Existing::refuse); }).find("another program's .x.h5.lock"), std::string::npos);
+  EXPECT_NE(refusal([&] { OutputFile(file, Existing::refuse); }).find("another program's .x.h5.lock"),
+            std::string::npos);
   EXPECT_EQ(text_of(folder / ".x.h5.lock"), "pid 7");
 }
 
@@ -137,7 +139,7 @@ TEST_F(TargetTest, TakesNoLockFileOfAnother) {
 TEST_F(TargetTest, AFileSwappedInTheMakingNeverBecomesTheResult) {
   put(file, "before");
   for (const bool link : {false, true}) {
-    Target target(file, Existing::replace);
+    OutputFile target(file, Existing::replace);
     const fs::path making = in_the_making(folder);
     fs::remove(making);
     if (link)
@@ -154,7 +156,7 @@ TEST_F(TargetTest, AFileSwappedInTheMakingNeverBecomesTheResult) {
 // told.
 TEST_F(TargetTest, IsReadBack) {
   {
-    Target target(file, Existing::refuse);
+    OutputFile target(file, Existing::refuse);
     std::ofstream(in_the_making(folder), std::ios::app) << "resuming";
     EXPECT_NE(refusal([&] { write(target, "result"); }).find("does not hold what was written"), std::string::npos);
   }
@@ -166,7 +168,7 @@ TEST_F(TargetTest, KeepsTheModeOfTheFileThatItReplaces) {
     put(file, "before");
     ASSERT_EQ(chmod(file.c_str(), mode), 0);
     {
-      Target target(file, Existing::update);
+      OutputFile target(file, Existing::update);
       EXPECT_EQ(mode_of(in_the_making(folder)), mode) << "before there is anything to read";
       write(target, "after");
     }
@@ -181,7 +183,7 @@ TEST_F(TargetTest, KeepsTheOwnerWhereThatIsAllowed) {
   put(file, "before");
   ASSERT_EQ(chown(file.c_str(), 1234, 4321), 0);
   {
-    Target target(file, Existing::update);
+    OutputFile target(file, Existing::update);
     write(target, "after");
   }
   struct stat status;
@@ -200,7 +202,7 @@ TEST_F(TargetTest, AnUpdateNeverReplacesWhatWasReplacedOrChangedMeanwhile) {
   for (const std::function<void()>& meanwhile :
        std::initializer_list<std::function<void()>>{replaced, changed, removed}) {
     put(file, "before");
-    Target target(file, Existing::update);
+    OutputFile target(file, Existing::update);
     meanwhile();
     const std::string kept = fs::exists(file) ? text_of(file) : "";
     EXPECT_NE(refusal([&] { write(target, "result"); }).find("changed by another program meanwhile"),
@@ -208,21 +210,21 @@ TEST_F(TargetTest, AnUpdateNeverReplacesWhatWasReplacedOrChangedMeanwhile) {
     EXPECT_EQ(fs::exists(file) ? text_of(file) : "", kept);
   }
   fs::remove(file);
-  Target target(file, Existing::update);
+  OutputFile target(file, Existing::update);
   put(file, "appeared");
   EXPECT_NE(refusal([&] { write(target, "result"); }).find("meanwhile"), std::string::npos);
   EXPECT_EQ(text_of(file), "appeared");
 }
 
 TEST_F(TargetTest, RemovesAllFoldersThatItMadeWhenNothingWasWritten) {
-  { Target(folder / "a/b/c/x.h5", Existing::refuse); }
+  { OutputFile(folder / "a/b/c/x.h5", Existing::refuse); }
   EXPECT_EQ(names_in(folder), std::set<std::string>{});
   fs::create_directory(folder / "a");
-  { Target(folder / "a/b/c/x.h5", Existing::refuse); }
+  { OutputFile(folder / "a/b/c/x.h5", Existing::refuse); }
   EXPECT_EQ(names_in(folder), std::set<std::string>{"a"});
   EXPECT_EQ(names_in(folder / "a"), std::set<std::string>{});
   {
-    Target target(folder / "a/b/x.h5", Existing::refuse);
+    OutputFile target(folder / "a/b/x.h5", Existing::refuse);
     write(target, "result");
   }
   EXPECT_EQ(text_of(folder / "a/b/x.h5"), "result");
