@@ -169,7 +169,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     const std::string name = chunk_name("answers", first);
     if (const auto kept = part ? part->load(name) : std::nullopt) {
       ChunkReader in(*kept);
-      for (Answers& answers : all) append_steps(get_steps(in), answers);
+      for (Answers& answers : all) append_steps(get_steps(in, last - first, bodies.size()), answers);
       progress.add(std::uint64_t(last - first), false);
       continue;
     }
