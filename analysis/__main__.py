@@ -37,7 +37,7 @@ def main(arguments=None):
     viewer.add_command(commands)
     for command in commands.choices.values():
         command.add_argument("--unsealed", action="store_true", help="read results although they were changed since they "
-                             "were written, as by own datasets; digests still hold")  # fmt: skip
+                             "were written, as by own datasets; digests still hold")
     chosen = parser.parse_args(arguments)
     try:
         with warnings.catch_warnings():

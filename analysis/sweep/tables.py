@@ -55,7 +55,7 @@ def index(path, manifest):
     points = manifest["points"]
     with h5py.File(path, "w") as file:
         file.attrs.update({"sweep": manifest["sweep"], "title": manifest["title"], "date": manifest["date"],
-                           "sweep_version": 1, "parameters": json.dumps(manifest["parameters"])})  # fmt: skip
+                           "sweep_version": 1, "parameters": json.dumps(manifest["parameters"])})
         scale(file, "point", [entry["name"] for entry in points], "point of the sweep")
         rows = [(number, row) for number, entry in enumerate(points) for row in entry.get("summary", [])]
         scale(file, "row", np.arange(len(rows)), "row of /summary")
