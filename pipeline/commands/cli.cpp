@@ -18,6 +18,7 @@
 #include "pipeline/commands/verify.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/plan.hpp"
+#include "pipeline/result/product.hpp"
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/run.hpp"
@@ -88,12 +89,12 @@ void refuse_part(const std::string& file) {
     throw Error(kFile, file + ": is an unfinished run; finish it with the same `pipeline run`, then name the result");
 }
 
-/// A result for commands that need a whole one of a scene; a study of integrators has nothing to judge.
+/// A result for commands that need a whole one of a scene: what stands alone has nothing to judge.
 Result whole_result(const std::string& file, bool unsealed) {
   refuse_part(file);
   Result result = read_result(file, unsealed);
-  if (result.study)
-    throw Error(kFile, file + ": is a study of the integrators, without poses and answers; name a result of a scene");
+  if (const Product* product = stands_alone(result))
+    throw Error(kFile, file + ": is " + product->what + ", without poses and answers; name a result of a scene");
   return result;
 }
 
@@ -259,7 +260,7 @@ int dispatch(int argc, const char* const* argv) {
     refuse_if_too_large(planned, target);
     std::vector<Stage> stages;
     const int threads = thread_count(0);
-    if (config.study || planned.case_sets > 0) {
+    if (config.study || planned.count("case_sets") > 0) {
       stages = foreseen_stages(config, planned, threads);
     } else {
       constexpr double kTrial = 1.5;  // s

@@ -1,10 +1,20 @@
 // Results as text: printf into a string, and JSON as every command prints it.
 #pragma once
 #include <string>
+#include <vector>
 
 namespace pipeline {
 
 std::string print(const char* format, ...) __attribute__((format(printf, 1, 2)));
+
+/// Rows as aligned columns; the first is flush left, the rest flush right.
+std::string aligned(const std::vector<std::vector<std::string>>& rows);
+
+/// Nanoseconds in the unit that they need.
+std::string time_text(double ns);
+
+/// Four places; "-" for NaN.
+std::string share_text(double value);
 
 /// JSON with the control characters escaped that JSON allows as they are and terminals may obey: U+007F to U+009F.
 std::string with_controls_escaped(std::string json);
