@@ -1,4 +1,6 @@
 // The table of algorithms: one line each, the thesis's nine in its order, then those of other sources.
+#include <algorithm>
+
 #include "algorithms/aabb.hpp"
 #include "algorithms/cannon_naive.hpp"
 #include "algorithms/cannon_sap.hpp"
@@ -18,21 +20,9 @@
 namespace algorithms {
 namespace {
 
-/// Any pairwise row may be a prefilter: only the whole table knows them all.
-std::vector<Algorithm> with_prefilters(std::vector<Algorithm> table) {
-  std::vector<std::string> names = {"none"};
-  for (const Algorithm& algorithm : table)
-    if (algorithm.scope == Scope::pair) names.push_back(algorithm.name);
-  for (Algorithm& algorithm : table)
-    for (Knob& knob : algorithm.knobs)
-      if (knob.name == "prefilter") knob.choices = names;
-  return table;
-}
-
-}  // namespace
-
-const std::vector<Algorithm>& all() {
-  static const std::vector<Algorithm> table = with_prefilters({
+/// Every row, missing ones too.
+std::vector<Algorithm> table() {
+  return {
       obb_sat(),          //
       bounding_sphere(),  //
       rotated_aabb(),     //
@@ -48,14 +38,43 @@ const std::vector<Algorithm>& all() {
       exact(),            //
       exact_cold(),       //
       fcl_bvh(),          //
-  });
-  return table;
+  };
 }
 
-const Algorithm* find(std::string_view name) {
-  for (const Algorithm& algorithm : all())
-    if (algorithm.name == name) return &algorithm;
-  return nullptr;
+/// The rows of which this build has the library, or those of which it has not. Any pairwise row that it has may be a
+/// prefilter: only the whole table knows them all.
+std::vector<Algorithm> rows(bool present) {
+  std::vector<Algorithm> out;
+  std::vector<std::string> names = {"none"};
+  for (Algorithm& row : table()) {
+    if (row.make && row.scope == Scope::pair) names.push_back(row.name);
+    if ((row.make != nullptr) == present) out.push_back(std::move(row));
+  }
+  for (Algorithm& row : out)
+    for (Knob& knob : row.knobs)
+      if (knob.role == Role::prefilter) knob.choices = names;
+  return out;
 }
+
+const Algorithm* named(const std::vector<Algorithm>& rows, std::string_view name) {
+  const auto found = std::ranges::find(rows, name, &Algorithm::name);
+  return found == rows.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+const std::vector<Algorithm>& all() {
+  static const std::vector<Algorithm> have = rows(true);
+  return have;
+}
+
+const std::vector<Algorithm>& missing() {
+  static const std::vector<Algorithm> lack = rows(false);
+  return lack;
+}
+
+const Algorithm* find(std::string_view name) { return named(all(), name); }
+
+const Algorithm* find_missing(std::string_view name) { return named(missing(), name); }
 
 }  // namespace algorithms

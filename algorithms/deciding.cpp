@@ -67,7 +67,8 @@ Knob containment_knob() {
   return {.name = kContainment,
           .preset = false,
           .unit = "1",
-          .what = "bodies wholly inside others are hits too; follows truth.containment unless given"};
+          .what = "bodies wholly inside others are hits too; follows truth.containment unless given",
+          .role = Role::containment};
 }
 
 Memory deciding_memory(const Bodies& bodies, const Knobs&) {

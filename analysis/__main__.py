@@ -5,13 +5,14 @@ the file, 4 a file that is missing, not a result or cannot be written.
 """
 
 import argparse
+import os
 import sys
 import warnings
 
 from analysis.tables import scenes, study_tables
 from analysis.viewer import viewer
 from analysis.intact import Unvouched
-from analysis.load import load
+from analysis.load import SWEEP, load, load_sweep
 from analysis.output import open_standard_descriptors, refuse, say, visible, write
 from analysis.tables.statements import shown, verdicts
 
@@ -26,7 +27,7 @@ def main(arguments=None):
     command.add_argument("file", nargs="+", help="results of the box, falling and playground scenes, one of each")
     command.set_defaults(act=lambda chosen: say(table(verdicts(opened(chosen.file, chosen.unsealed)))))
     command = commands.add_parser("report", help="one HTML page of figures and tables, which needs no network")
-    command.add_argument("file", nargs="+", help="results; those of one motion and truth are drawn together")
+    command.add_argument("file", nargs="+", help="results; those of one motion and truth are drawn together. Or a sweep: its folder, or files of its points")
     command.add_argument("-o", "--output", default="report.html", help="the page (default: report.html)")
     command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output, chosen.unsealed))
     command = commands.add_parser("study", help="orders, stability and recommendation of a study; drift of a long run")
@@ -58,11 +59,26 @@ def complain(text):
 def write_report(paths, output, unsealed=False):
     """The page of the results at `paths`, whole or not at all; prints where it is. Only a page is overwritten."""
     refuse(output)  # before the work
-    runs = [read(path, unsealed) for path in paths]
-    from analysis.report.report import report  # matplotlib is slow to load, and nothing above needs it
+    table = swept(paths)
+    runs = [] if table is not None else [read(path, unsealed) for path in paths]
+    from analysis.report.report import report, sweep_report  # matplotlib is slow to load, and nothing above needs it
 
-    write(output, report(runs))
+    write(output, report(runs) if table is None else sweep_report(table))
     say(output)
+
+
+def swept(paths):
+    """The frame of the sweep that `paths` name: its folder alone, or several files of its points; None when they are
+    other results. Raises as load_sweep()."""
+    if len(paths) == 1 and os.path.exists(os.path.join(paths[0], SWEEP)):
+        return load_sweep(paths[0])
+    folders = {os.path.dirname(os.path.abspath(path)) for path in paths}
+    above = os.path.dirname(min(folders))
+    if len(paths) < 2 or len(folders) > 1 or not os.path.exists(os.path.join(above, SWEEP)):
+        return None
+    table = load_sweep(above)
+    names = [os.path.splitext(os.path.basename(path))[0] for path in paths]
+    return table[table.point.isin(names)].reset_index(drop=True) if set(names) <= set(table.point) else None
 
 
 def studied(path, unsealed=False):

@@ -15,6 +15,7 @@ import contextlib
 import faulthandler
 import json
 import os
+import re
 import resource
 import select
 import signal
@@ -38,9 +39,10 @@ GROUPS = ("bodies", "meshes", "motion", "physics", "truth", "results", "answers"
 DIGESTED = ("motion", "truth", "answers")  # carry digests of their own
 TEXTS = {"title", "creator", "git_commit", "build_type", "compiler", "flags", "library_versions", "config_sha256",
          "inputs_sha256", "digest", "digest_algorithm", "effective", "shape", "name", "knobs", "promise", "thesis_key",
-         "operations_unit", "scope", "host", "processor", "build", "date", "containment", "status"}  # fmt: skip
+         "operations_unit", "scope", "library", "host", "processor", "build", "date", "containment", "status"}  # fmt: skip
 NUMBERS = {"schema_version", "rate", "wall_time_s", "gap_margin", "quaternion_drift", "surface_deviation", "closed"}
-OBJECTS = {"library_versions", "inputs_sha256", "knobs"}  # JSON
+OBJECTS = {"library_versions", "inputs_sha256", "knobs", "shape"}  # JSON
+MOST_NESTED = 32  # levels of it; ours have at most 3
 
 MOST_INFLATION = 1032  # bytes that deflate makes of one
 MOST_STEPS = 10_000_000  # no configuration can ask for more
@@ -236,12 +238,27 @@ def check_attributes(path, attributes):
         if not isinstance(value, str if name in TEXTS else (int, float, np.integer, np.floating)):
             raise ValueError(f"attribute {name} of {path}: has another type")
         if name in OBJECTS:
-            try:
-                is_object = isinstance(json.loads(value), dict)
-            except (ValueError, RecursionError):
-                is_object = False
-            if not is_object:
+            if not _is_object(value):
                 raise ValueError(f"attribute {name} of {path}: is no JSON object")
+    if path.startswith("/meshes/") and "shape" not in attributes:
+        raise ValueError(f"attribute shape of {path}: is missing")
+
+
+def _is_object(text):
+    """Whether it is a JSON object as the pipeline takes it: not nested too deep, without NaN."""
+    depth = 0
+    for bracket in re.sub(r'"(?:[^"\\]|\\.)*"|[^][{}"]', "", text):
+        depth += 1 if bracket in "[{" else -1 if bracket in "]}" else 0
+        if depth > MOST_NESTED:
+            return False
+
+    def refuse(word):
+        raise ValueError(word)
+
+    try:
+        return isinstance(json.loads(text, parse_constant=refuse), dict)
+    except ValueError:
+        return False
 
 
 def check_storage(path, dataset):

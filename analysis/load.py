@@ -9,6 +9,8 @@
     bodies, motion          one row per body; poses as arrays
     study                   one row per case of a study of integrators
 
+load_sweep(folder) gives all points of a sweep (scripts/sweep) as one table, a row per point and label.
+
 Steps and counts are integers (int64, uint64), times in ns int64 (float64 in summary), everything else float64 in SI
 units; labels and names are text. What a file does not have is None or a table without rows, as each says.
 
@@ -26,8 +28,10 @@ import numpy as np
 import pandas as pd
 
 from analysis import intact
+from analysis.tables.intervals import Interval
 
 SCHEMA_VERSION = 1  # the newest that this module knows
+SWEEP = "sweep.json"  # what makes a folder one of a sweep
 
 
 @dataclass(frozen=True)
@@ -38,7 +42,7 @@ class Run:
         steps: number of steps; rate: steps per second; bodies, algorithms: lists of names and labels;
         config, config_effective: TOML texts; run: dict of date, host, processor, wall_time_s;
         answers: dict label -> dict of name, knobs (JSON), promise, thesis_key, operations_unit, scope,
-        host, processor, build, date, digest; motion, truth: dicts of digest,
+        library (of somebody else's methods), host, processor, build, date, digest; motion, truth: dicts of digest,
         containment (if asked for).
         Of what a file lacks, the texts, lists and dicts are empty, steps 0 and rate NaN.
     """
@@ -74,10 +78,31 @@ class Run:
 
         Columns: hits, true_positive, false_positive, false_negative (uint64, pairs over all steps), contained_hit where
         it is recorded; operations (uint64); error, precision, recall, matthews (float64, 1; NaN for 0/0); time_mean_ns,
-        time_median_ns, time_p95_ns (float64, ns per step); promise_kept (bool).
+        time_median_ns, time_p95_ns (float64, ns per step); promise_kept (bool). In files that have them, NaN where
+        nothing is known: time_mean_low_ns and time_mean_high_ns, a 95 % interval of the mean; processor_mean_ns;
+        setup_ns; memory_bytes and memory_greatest_bytes, heap after set-up and the most (all float64).
         """
         table = pd.DataFrame(self._columns("summary"), index=pd.Index(self.meta["algorithms"], name="algorithm"))
         return table.astype({"promise_kept": bool}) if len(table.columns) else table
+
+    @cached_property
+    def noise(self):
+        """The noise floor: the ratio of the mean time of the first label, timed twice, to itself (an Interval); None
+        when it was not asked for ([timing] noise). No smaller difference of times is one."""
+        with self.opened() as file:
+            if "noise" not in file:
+                return None
+            known = file["noise"].attrs
+            return Interval(*(float(known[name]) for name in ("ratio", "ratio_low", "ratio_high")))
+
+    @cached_property
+    def step_times(self):
+        """label -> time per step (float64, S, ns); empty when the file has no times per step."""
+        table, labels = self.per_step, self.meta["algorithms"]
+        if "time_ns" not in table or not labels:
+            return {}
+        times = table["time_ns"].to_numpy(dtype=float).reshape(-1, len(labels))
+        return {label: times[:, place] for place, label in enumerate(labels)}
 
     @cached_property
     def physics(self):
@@ -306,6 +331,8 @@ def load(path, unsealed=False):
     """
     path = os.fspath(path)
     if os.path.isdir(path):
+        if os.path.exists(os.path.join(path, SWEEP)):
+            raise ValueError(f"{path}: is the folder of a sweep; load_sweep reads it, load one of its points/*.h5")
         if os.path.exists(os.path.join(path, "manifest.json")) or path.rstrip("/").endswith(".part"):
             raise ValueError(f"{path}: is an unfinished run; the command that began it finishes it")
         raise ValueError(f"{path}: is a folder, not a result")
@@ -313,6 +340,47 @@ def load(path, unsealed=False):
         raise FileNotFoundError(f"{path}: there is no such file")
     meta, mark = intact.checked(path, lambda file: _meta(path, file), unsealed)
     return Run(path, meta, mark)
+
+
+def load_sweep(folder):
+    """A sweep as one frame: a row per point and label, and one of a point that failed, with label "".
+
+    Columns: point (its name), a column per parameter of the sweep (text, int or float), status ("done", "failed", ...),
+    reason, exit_code (float), host, processor, build, began (seconds since 1970), wall_time_s, digest, steps, bodies, truth_hits; label, algorithm, and
+    the columns of Run.summary (float64; NaN where a point failed). attrs: sweep, title, parameters (their names), folder.
+    Raises OSError when there is no such folder, ValueError when it is not one of a sweep, in a line that starts with it.
+    """
+    folder = os.fspath(folder)
+    path = os.path.join(folder, SWEEP)
+    if not os.path.isdir(folder):
+        raise FileNotFoundError(f"{folder}: there is no such folder")
+    if not os.path.exists(path):
+        raise ValueError(f"{folder}: is not the folder of a sweep (it has no {SWEEP})")
+    try:
+        with open(path, encoding="utf-8") as file:
+            table = sweep_frame(json.load(file))
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise ValueError(f"{path}: is damaged ({type(error).__name__}: {error})") from error
+    table.attrs["folder"] = folder
+    return table
+
+
+def sweep_frame(manifest):
+    """The frame of load_sweep from what sweep.json holds."""
+    told = ["status", "reason", "exit_code", "host", "processor", "build", "began", "wall_time_s", "digest", "steps", "bodies", "truth_hits"]
+    texts, rows = ["reason", "host", "processor", "build", "digest"], []
+    for point in manifest["points"]:
+        parameters = {name: point["parameters"][name] for name in manifest["parameters"]}
+        of_point = {"point": point["name"]} | parameters | {name: point.get(name) for name in told}
+        of_point |= {name: of_point[name] or "" for name in texts}
+        rows += [of_point | row for row in point.get("summary") or [{"label": "", "algorithm": ""}]]
+    table = pd.DataFrame(rows, columns=list(dict.fromkeys(name for row in rows for name in row)))
+    kept = {"point", "label", "algorithm", "status", *texts, *manifest["parameters"], "knobs", "promise", "scope", "operations_unit"}
+    for name in table.columns:
+        if name not in kept:
+            table[name] = table[name].astype(float)
+    table.attrs = {"sweep": manifest["sweep"], "title": manifest["title"], "parameters": list(manifest["parameters"])}
+    return table
 
 
 def _meta(path, file):

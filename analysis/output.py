@@ -2,8 +2,17 @@
 another page."""
 
 import os
+import re
 import secrets
+import signal
 import sys
+
+import jinja2
+
+# As is_control of pipeline/terminal/words.cpp has them.
+CONTROLS = re.compile(
+    "[\0-\x09\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e007f]"
+)
 
 
 def open_standard_descriptors():
@@ -23,13 +32,24 @@ def say(text):
     try:
         print(visible(text), flush=True)
     except OSError as error:
-        sys.stdout = None  # or the interpreter tries again at its end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or the interpreter tries again at its end
+        if isinstance(error, BrokenPipeError):  # `| head` has read enough
+            sys.exit(128 + signal.SIGPIPE)
         raise OSError(f"stdout: cannot be written ({error.strerror})") from error
 
 
 def visible(text):
-    """`text` fit for a terminal: control characters but line ends become '?'. Texts of files may be commands to it."""
-    return "".join("?" if c != "\n" and (ord(c) < 32 or 127 <= ord(c) < 160) else c for c in text)
+    """`text` fit for a terminal, as the pipeline has it: control characters but line ends, and marks that turn or hide
+    text, become '?'. Texts of files may be commands to it, or look like others."""
+    return CONTROLS.sub("?", text)
+
+
+def templates(folder):
+    """The pages of a folder as templates: what is put into them is escaped unless it is marked safe."""
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader(folder), autoescape=True, undefined=jinja2.StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
+    )
 
 
 def refuse(path):

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geometry/mesh.hpp"
@@ -26,6 +27,12 @@ struct Bodies {
       kClosedWithin;  // of a mesh's size: corners that count as one (geometry/decision/contain.hpp); 0: none
 
   std::size_t size() const { return mesh.size(); }
+  /// One more body, of the mesh `meshes[of]`.
+  void add(std::string called, std::uint32_t of, bool never_moves = false) {
+    name.push_back(std::move(called));
+    mesh.push_back(of);
+    fixed.push_back(never_moves);
+  }
   const Mesh& mesh_of(std::uint32_t body) const { return meshes[mesh[body]]; }
 };
 

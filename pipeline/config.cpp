@@ -112,28 +112,37 @@ algorithms::Value knob_value(const Section& s, const algorithms::Knob& knob) {
   }
 }
 
-/// One algorithm from a table with name, label and knobs. A knob `containment` that is not given follows the truth: an
-/// exact method then keeps its promise, which is judged on the truth that scores.
+/// One algorithm from a table with name, label and knobs. Where nobody says whether bodies inside others are hits, it
+/// follows the truth: an exact method then keeps its promise, which is judged on the truth that scores.
 AlgorithmChoice algorithm_choice(const Section& s, Containment containment) {
   std::vector<std::string> names;
   for (const algorithms::Algorithm& a : algorithms::all()) names.push_back(a.name);
   if (!s.has("name")) s.fail("missing key '" + s.full("name") + "'; " + hint("", names));
   const std::string name = s.text("name", "");
   const algorithms::Algorithm* row = algorithms::find(name);
+  if (const algorithms::Algorithm* lacking = algorithms::find_missing(name))
+    s.refuse("name", "be an algorithm of this build", "it needs " + algorithms::remedy(*lacking));
   if (!row) s.refuse("name", "be the name of an algorithm", hint(name, names));
 
-  std::vector<std::string> known{"name", "label"};
+  std::vector<std::string> known{"name", "label", "optional"};
   for (const algorithms::Knob& knob : row->knobs) known.push_back(knob.name);
   s.only(known);
   AlgorithmChoice choice{.name = name, .label = s.text("label", name), .knobs = algorithms::presets(*row)};
   if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
-  if (choice.knobs.contains("containment")) choice.knobs["containment"] = containment == Containment::meet;
-  for (const algorithms::Knob& knob : row->knobs)
+  for (const algorithms::Knob& knob : row->knobs) {
+    if (knob.role == algorithms::Role::containment) choice.knobs[knob.name] = containment == Containment::meet;
     if (s.has(knob.name)) choice.knobs[knob.name] = knob_value(s, knob);
+  }
   return choice;
 }
 
-std::vector<AlgorithmChoice> algorithm_choices(const Section& root, Containment containment) {
+/// Whether a table may be left out because its library is missing: with optional = true, or where a result was read
+/// that another build made.
+bool left_out(const Section& s, bool recorded) {
+  return (s.boolean("optional", false) || recorded) && algorithms::find_missing(s.text("name", ""));
+}
+
+std::vector<AlgorithmChoice> algorithm_choices(const Section& root, Config& config, bool recorded) {
   std::vector<AlgorithmChoice> out;
   if (!root.has("algorithm")) {
     for (const algorithms::Algorithm& a : algorithms::all())
@@ -141,14 +150,24 @@ std::vector<AlgorithmChoice> algorithm_choices(const Section& root, Containment 
     return out;
   }
   std::set<std::string> taken;
+  std::vector<std::string> missing;
   for (const Section& s : root.sections("algorithm")) {
-    out.push_back(algorithm_choice(s, containment));
+    if (left_out(s, recorded)) {
+      const std::string name = s.text("name", "");
+      missing.push_back("algorithm '" + s.text("label", name) + "' is left out: it needs " +
+                        algorithms::remedy(*algorithms::find_missing(name)));
+      continue;
+    }
+    out.push_back(algorithm_choice(s, config.containment));
     if (taken.insert(out.back().label).second) continue;
     const std::string rule = "be the only one of its label";
     if (s.has("label")) s.refuse("label", rule, "give each algorithm a label of its own");
     s.refuse("name", rule, "add a label, e.g. label = \"" + out.back().label + "_2\"");
   }
-  if (out.empty()) root.refuse("algorithm", "hold at least one algorithm", "leave the key out for the thesis's nine");
+  if (out.empty() && !recorded)
+    root.refuse("algorithm", "hold at least one algorithm" + std::string(missing.empty() ? "" : " of this build"),
+                "leave the key out for the thesis's nine");
+  config.notes.insert(config.notes.end(), missing.begin(), missing.end());
   return out;
 }
 
@@ -227,9 +246,9 @@ std::string bytes_of(const std::filesystem::path& path) {
   }
 }
 
-}  // namespace
-
-Config parse_config(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets) {
+/// `recorded`: the text is the effective configuration of a result.
+Config parsed(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets,
+              bool recorded) {
   const std::string file = one_line(path.string(), 4096);
   if (text.size() > kMostBytes) throw Error(kInput, file + ": a configuration must be at most 16 MiB long, not more");
   Document document(text, file);
@@ -260,14 +279,20 @@ Config parse_config(const std::string& text, const std::filesystem::path& path, 
   read_physics(root.section("physics"), config);
   read_truth(root.section("truth"), config);
   config.repeats = root.section("timing").only({"repeats"}).integer("repeats", config.repeats, 1, kMostRepeats);
-  config.algorithms = algorithm_choices(root, config.containment);
+  config.algorithms = algorithm_choices(root, config, recorded);
   config.effective = effective(config);
   return config;
 }
 
+}  // namespace
+
+Config parse_config(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets) {
+  return parsed(text, path, sets, false);
+}
+
 Config recorded_config(const std::string& effective, const std::string& file) {
   try {
-    return parse_config(effective, file + ": /config@effective");
+    return parsed(effective, file + ": /config@effective", {}, true);
   } catch (const Error& error) {
     throw Error(kFile, error.what());  // nobody wrote it: it is part of the file
   }
@@ -299,7 +324,7 @@ AlgorithmChoice parse_algorithm(const std::string& argument, Containment contain
     const std::string setting = rest.substr(begin, end - begin);
     const std::size_t equals = setting.find('=');
     const std::string knob = setting.substr(0, equals);
-    if (equals == std::string::npos || knob.empty() || texts.contains(knob))
+    if (equals == std::string::npos || knob.empty() || knob == "optional" || texts.contains(knob))
       throw Error(kInput,
                   place + ": must be NAME[:knob=value,...][@LABEL], not with '" + one_line(setting) + "' in it");
     if (!knobs.emplace(knob, setting.substr(equals + 1)).second)

@@ -340,9 +340,7 @@ std::string plan_text(const Config& config, const Plan& plan, const Seconds& tim
   }
   text += of_products;
   const bool facets = std::ranges::any_of(config.algorithms, [](const AlgorithmChoice& choice) {
-    return choice.knobs.contains("densify") ||
-           (choice.knobs.contains("prefilter") &&
-            std::get<std::string>(choice.knobs.at("prefilter")).starts_with("facet_"));
+    return algorithms::samples_facets(*algorithms::find(choice.name), choice.knobs);
   });
   if (!facets) text += "facets      no chosen algorithm samples them, so no facet points are computed\n";
   for (const auto& [file, hash] : config.inputs) text += "input       " + file + "\n";

@@ -242,7 +242,12 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   result.bodies.closed_within = config.closed_within;
   std::vector<AlgorithmChoice> choices;
   for (const std::string& argument : arguments) choices.push_back(parse_algorithm(argument, config.containment));
-  if (choices.empty()) choices = config.algorithms;
+  if (choices.empty()) {
+    choices = config.algorithms;
+    for (const std::string& note : config.notes) std::fprintf(stderr, "warning: %s\n", one_line(note, 4096).c_str());
+    if (choices.empty())
+      throw Error(kInput, file.string() + ": this build has none of its algorithms; name others with --algorithm");
+  }
 
   const auto index_of = [&](const std::string& label) {
     const auto same = [&](const Answers& answers) { return answers.label == label; };

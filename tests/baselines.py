@@ -5,7 +5,7 @@
 
 NAME.toml in tests/baselines says what is moved, NAME.json what was answered (`pipeline score`). The motions are files
 of tests/data, scripts or a CSV, so no simulation has a part in it and every machine must find the same. Every algorithm
-of `pipeline list algorithms` is asked with its presets, except those of foreign libraries: their answers and operations
+of `pipeline list algorithms` is asked with its presets, except those of other people's libraries: their answers and operations
 may change with the library's version.
 """
 import argparse
@@ -19,7 +19,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "tests" / "baselines"
 PIPELINE = os.environ.get("PIPELINE", str(ROOT / "build" / "pipeline"))
-FOREIGN = {"fcl_bvh"}
 
 
 def names():
@@ -30,7 +29,7 @@ def names():
 def algorithms():
     """The names of all algorithms of this project's own."""
     listed = subprocess.run([PIPELINE, "list", "algorithms", "--json"], check=True, capture_output=True, text=True)
-    return [row["name"] for row in json.loads(listed.stdout) if row["name"] not in FOREIGN]
+    return [row["name"] for row in json.loads(listed.stdout) if not row["library"]]
 
 
 def answer(name, out):

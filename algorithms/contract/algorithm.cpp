@@ -57,6 +57,21 @@ Memory memory(const Algorithm& row, const Bodies& bodies, const Knobs& knobs) {
   return {bytes, bytes};
 }
 
+std::string remedy(const Algorithm& row) {
+  return row.library.name + ", which this build is without; scripts/peers installs it (" + row.library.package +
+         ") and builds anew";
+}
+
+bool samples_facets(const Algorithm& row, const Knobs& knobs) {
+  for (const Knob& knob : row.knobs) {
+    if (knob.role == Role::density) return true;
+    if (knob.role != Role::prefilter) continue;
+    const Algorithm* first = find(value_of<std::string>(knobs, knob.name));
+    if (first && samples_facets(*first, presets(*first))) return true;
+  }
+  return false;
+}
+
 Knobs presets(const Algorithm& algorithm) {
   Knobs knobs;
   for (const Knob& knob : algorithm.knobs) knobs.emplace(knob.name, knob.preset);

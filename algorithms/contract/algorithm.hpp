@@ -35,6 +35,14 @@ std::string_view text(Scope scope);
 /// The value of a knob.
 using Value = std::variant<bool, std::int64_t, double, std::string>;
 
+/// What a knob is to others than its method.
+enum class Role {
+  plain,
+  prefilter,    // names the row that answers first; what it may name is known to the whole table alone
+  density,      // whether facets are cut before they are sampled: only rows that sample facets have it
+  containment,  // whether a body inside another is a hit: where nobody says, as in the truth that scores
+};
+
 /// A parameter of an algorithm. The type of `preset` is the knob's type.
 struct Knob {
   std::string name;
@@ -46,6 +54,7 @@ struct Knob {
   std::vector<std::string> choices = {};  // of texts; empty: not a text
   bool (*valid)(const Value&) = nullptr;  // a further rule, stated in `rule`
   std::string rule = {};                  // what follows "must" in the message, e.g. "divide 180"
+  Role role = Role::plain;
 };
 
 /// Every knob of an algorithm with its value.
@@ -92,6 +101,13 @@ struct Memory {
   std::uint64_t greatest = 0;  // at any time: while it is made, or later
 };
 
+/// Somebody else's library that answers for a row.
+struct Library {
+  std::string name = {};     // empty: the row is of this project
+  std::string package = {};  // Debian's, to build with it
+  std::string version = {};  // that this build has; empty: it is without
+};
+
 /// One row of the table of algorithms.
 struct Algorithm {
   std::string name;             // file name, TOML name and HDF5 name
@@ -100,6 +116,7 @@ struct Algorithm {
   std::string operations_unit;  // what `count` counts
   Promise promise = Promise::none;
   Scope scope = Scope::pair;
+  Library library = {};
   std::vector<Knob> knobs = {};
   std::unique_ptr<Method> (*make)(const Bodies& bodies, const Knobs& knobs) = nullptr;
   /// What `make` would take, told from sizes alone: quick however much that is. Within a factor of 1.5 from 100 KiB on.
@@ -110,11 +127,21 @@ struct Algorithm {
 /// What a method of the row would take, also where the row does not say.
 Memory memory(const Algorithm& row, const Bodies& bodies, const Knobs& knobs);
 
-/// Every algorithm, in the thesis's order; those of other sources follow.
+/// Every algorithm that this build can ask, in the thesis's order; those of other sources follow.
 const std::vector<Algorithm>& all();
 
-/// The row of that name, or nullptr.
+/// Those whose library this build is without: known by name, without `make`.
+const std::vector<Algorithm>& missing();
+
+/// The row of that name, or nullptr; of all() and of missing().
 const Algorithm* find(std::string_view name);
+const Algorithm* find_missing(std::string_view name);
+
+/// What a row of missing() needs and how to get it: "FCL, which this build is without; scripts/peers ...".
+std::string remedy(const Algorithm& row);
+
+/// Whether its methods sample facets with these knobs, its own or its prefilter's.
+bool samples_facets(const Algorithm& row, const Knobs& knobs);
 
 /// The knobs of `algorithm`, all at their presets.
 Knobs presets(const Algorithm& algorithm);

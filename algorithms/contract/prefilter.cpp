@@ -7,7 +7,8 @@ Knob prefilter_knob() {
           .preset = "rotated_aabb",
           .unit = "1",
           .what = "the pair goes on only if this algorithm, with its presets, reports it",
-          .choices = {"none"}};  // and the pairwise rows, which `all` adds
+          .choices = {"none"},  // and the pairwise rows, which `all` adds
+          .role = Role::prefilter};
 }
 
 std::string with_prefilter(std::string_view unit) { return std::string(unit) + ", and the prefilter's operations"; }

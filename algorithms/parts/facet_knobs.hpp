@@ -39,7 +39,8 @@ inline Knob densify_knob() {
   return {.name = "densify",
           .preset = false,
           .unit = "1",
-          .what = "cut the facets of a mesh that has fewer than 8 per m^2 of its box"};
+          .what = "cut the facets of a mesh that has fewer than 8 per m^2 of its box",
+          .role = Role::density};
 }
 
 /// The points that `stride` and `densify` choose: one entry per mesh, in its own frame.

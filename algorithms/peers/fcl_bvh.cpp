@@ -1,6 +1,7 @@
 // The only file that sees FCL.
 #include "algorithms/peers/fcl_bvh.hpp"
 
+#ifdef PEER_VERSION  // CMakeLists.txt found it
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/detail/traversal/collision/mesh_collision_traversal_node.h>
@@ -98,17 +99,26 @@ class FclBvh final : public Method {
 };
 
 }  // namespace
+}  // namespace algorithms
+#endif
+
+namespace algorithms {
 
 Algorithm fcl_bvh() {
-  return {.name = "fcl_bvh",
-          .what = "FCL 0.7, hierarchies of oriented boxes (BVHModel<OBBRSS>), behind the broad phase of exact",
-          .operations_unit = "pairs of boxes and triangles that FCL tests",
-          .promise = Promise::none,
-          .scope = Scope::scene,
-          .make = [](const Bodies& bodies, const Knobs& knobs) -> std::unique_ptr<Method> {
-            return std::make_unique<FclBvh>(bodies, knobs);
-          },
-          .memory = FclBvh::memory};
+  Algorithm row{.name = "fcl_bvh",
+                .what = "FCL 0.7, hierarchies of oriented boxes (BVHModel<OBBRSS>), behind the broad phase of exact",
+                .operations_unit = "pairs of boxes and triangles that FCL tests",
+                .promise = Promise::none,
+                .scope = Scope::scene,
+                .library = {.name = "FCL", .package = "libfcl-dev"}};
+#ifdef PEER_VERSION
+  row.library.version = PEER_VERSION;
+  row.make = [](const Bodies& bodies, const Knobs& knobs) -> std::unique_ptr<Method> {
+    return std::make_unique<FclBvh>(bodies, knobs);
+  };
+  row.memory = FclBvh::memory;
+#endif
+  return row;
 }
 
 }  // namespace algorithms

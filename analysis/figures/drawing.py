@@ -12,6 +12,7 @@ from matplotlib.transforms import ScaledTranslation
 from analysis.tables import pareto
 from analysis.tables.scenes import twins
 from analysis.tables.studies import simulated
+from analysis.words import listed
 
 MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
 LINE = 19  # letters of a line above a small panel
@@ -164,12 +165,6 @@ def shortened(names, most=22):
 def _cut(text, most, head):
     """`text` with at most `most` letters: the first `head`, and the last of the rest."""
     return text if len(text) <= most else text[:head] + "…" + text[len(text) - (most - 1 - head) :]
-
-
-def listed(names):
-    """a; a and b; a, b and c."""
-    names = list(names)
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def places(run):

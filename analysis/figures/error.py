@@ -8,7 +8,8 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from analysis.figures import labels
 from analysis.tables import pareto
 from analysis.figures.drawing import shortened
-from analysis.figures.figure import INVENTED, MISSED, Figure, figure, style, svg_of
+from analysis.figures.figure import FALSE_POSITIVE, MISSED, Figure, figure, style, svg_of
+from analysis.words import counted, listed, number, verb
 
 NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
 HEIGHT = 4.7  # inches, without the legend
@@ -29,20 +30,6 @@ def time(ns):
         return "–"
     unit, name = next(((u, n) for u, n in ((1e9, "s"), (1e6, "ms"), (1e3, "µs")) if ns >= u * 0.9995), (1, "ns"))
     return f"{number(ns / unit)} {name}"
-
-
-def number(value):
-    """Three digits; more of them in full, with narrow spaces from five on."""
-    if not np.isfinite(value):
-        return "–"
-    if abs(value) >= 999.5:
-        return f"{value:,.0f}".replace(",", "\u202f" if abs(value) >= 9999.5 else "")
-    return f"{value:.3g}"
-
-
-def counted(count, noun, plural=""):
-    """1 case, 2 cases."""
-    return f"{number(count)} {noun if count == 1 else plural or noun + 's'}"
 
 
 def against(scene, points, cost, key, apart=""):
@@ -71,23 +58,118 @@ def finding(points, cost):
         return "No algorithm has a cost that could be drawn"
     worth = points[points.front].sort_values([cost, "error"]).reset_index(drop=True)
     best, first = worth.iloc[-1], worth.iloc[0]
+    told = _told_apart(points, cost)
+    equals = [other.label for _, other in points.iterrows() if other.label != first.label and not told(other, first)]
+    equals = f"; {_few(equals)} {verb(equals, 'is', 'are')} as fast as {first.label}" if equals else ""
     right = "makes no error" if best.error == 0 else f"errs {number(best.error)}"
     if len(points) == 1:
         return f"{best.label} {right} at {show(best[cost])}; it is alone, there is nothing to compare it with"
     if (points.error == 0).all():
-        return f"No algorithm errs on this scene; {first.label} is the {cheapest}, {show(first[cost])}"
+        return f"No algorithm errs on this scene; {first.label} is the {cheapest}, {show(first[cost])}{equals}"
     if len(worth) == 1 or first.error == best.error:
         least = "makes no error" if best.error == 0 else f"errs least, {number(best.error)},"
-        return f"{first.label} {least} and is also the {cheapest}, {show(first[cost])}: no other is worth its cost here"
-    second = worth[worth.error > best.error].iloc[-1]
+        words = f"{first.label} {least} and is also the {cheapest}, {show(first[cost])}: no other is worth its cost here"
+        return words + equals
+    faster = worth[[row.error > best.error and told(row, best) for _, row in worth.iterrows()]]
     least = "makes no error" if best.error == 0 else f"errs least, {number(best.error)},"
+    if not len(faster):
+        return (
+            f"{best.label} {least} at {show(best[cost])} and is as fast as {first.label}, {show(first[cost])}, which errs"
+            f" {number(first.error)}: no other is worth its cost here"
+        )
+    second = faster.iloc[-1]
     words = (
         f"{best.label} {least} at {show(best[cost])}; nothing {cheapest[:-3]}er errs less than {number(second.error)} "
     )
     words += f"({second.label}, {show(second[cost])})"
     if first.label != second.label:
         words += f"; the {cheapest}, {first.label} at {show(first[cost])}, errs {number(first.error)}"
-    return words
+    return words + equals
+
+
+def _told_apart(points, cost):
+    """(row, row) -> whether their costs differ: of times, whether their ratio tells a difference."""
+    if cost != "time_mean_ns" or "times" not in points:
+        return lambda one, other: True
+    return lambda one, other: one.label == other.label or not pareto.alike(one, other)
+
+
+def _few(names):
+    return listed(names if len(names) < 4 else [*names[:2], f"{len(names) - 2} more"])
+
+
+def costs(scene, points, key):
+    """The figure of what `points` cost besides time per step: set-up and memory. None when no file says."""
+    points = points.reset_index(drop=True)
+    if not {"setup_ns", "memory_bytes"} <= set(points) or not points[["setup_ns", "memory_bytes"]].notna().any(axis=None):
+        return None
+    points = points.sort_values(["time_mean_ns", "error"], ignore_index=True)
+    table = pd.DataFrame({
+        "label": points.label,
+        "set-up (µs)": points.setup_ns / 1e3,
+        "memory after set-up (KiB)": points.memory_bytes / 1024,
+        "memory at the most (KiB)": points.memory_greatest_bytes / 1024,
+        "mean time (µs)": points.time_mean_ns / 1e3,
+        "error": points.error,
+    })  # fmt: skip
+    drawn = points.iloc[:NAMED]
+    rest = "" if len(drawn) == len(points) else f" The {NAMED} fastest of {len(points)} are drawn, all are below."
+    unknown = list(points.label[points.memory_bytes.isna()])
+    unknown = f" Nothing is known of the memory of {', '.join(unknown)}." if unknown else ""
+    caption = (
+        f"{scene.title}: {counted(len(points), 'label')}, the fastest per step first. Set-up is made once a run and no"
+        " part of the time per step: hierarchies, hulls, points. Memory is heap as malloc counts it, to about a percent:"
+        f" filled after set-up, hollow the most at any time.{rest}{unknown}"
+    )
+    fig, (left, right) = figure(1, 2, height=0.85 + 0.2 * max(len(drawn), 3), sharey=True)
+    rows = np.arange(len(drawn))[::-1]
+    for row, (_, point) in zip(rows, drawn.iterrows()):
+        look = {"color": style(point.algorithm)["color"], "marker": style(point.algorithm)["marker"], "linestyle": "none"}
+        left.plot([point.setup_ns], [row], **look)
+        right.plot([point.memory_bytes, point.memory_greatest_bytes], [row, row], color=look["color"], linewidth=0.8)
+        right.plot([point.memory_greatest_bytes], [row], **look, markerfacecolor="white", markeredgewidth=1.2)
+        right.plot([point.memory_bytes], [row], **look)
+    for axes, values, words, shown_as in (
+        (left, [drawn.setup_ns], "set-up", time),
+        (right, [drawn.memory_bytes, drawn.memory_greatest_bytes], "memory", memory),
+    ):
+        axes.set_xlabel(words)
+        axes.tick_params(axis="y", length=0)
+        values = np.concatenate([value.to_numpy(dtype=float) for value in values])
+        values = values[np.isfinite(values) & (values > 0)]
+        if not len(values):
+            continue
+        axes.set_xscale("log")
+        room = max((values.max() / values.min()) ** 0.1, 1.5)
+        limits = values.min() / room, values.max() * room
+        axes.set_xlim(limits)
+        # At most four ticks: their names are long.
+        ticks = _fixed(limits, 2).locs
+        axes.xaxis.set_major_locator(FixedLocator(ticks[:: max(1, -(-len(ticks) // 4))]))
+        axes.xaxis.set_major_formatter(lambda value, _, shown_as=shown_as: shown_as(value))
+        axes.xaxis.set_minor_locator(NullLocator())
+    left.set_yticks(rows, shortened(drawn.label, LONGEST).values())
+    left.set_ylim(-0.6, len(drawn) - 0.4)
+    return Figure(_costs_finding(points), svg_of(fig), caption, table, key)
+
+
+def _costs_finding(points):
+    words = []
+    for column, verb, text in (("setup_ns", "takes longest to set up", time), ("memory_greatest_bytes", "takes most memory", memory)):
+        if points[column].notna().any():
+            most = points.loc[points[column].idxmax()]
+            words.append(f"{most.label} {verb}, {text(most[column])}")
+    return "; ".join(words)
+
+
+def memory(size):
+    """Bytes with their unit, three digits."""
+    if not np.isfinite(size):
+        return "–"
+    for unit, name in ((1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB")):
+        if size >= unit:
+            return f"{number(size / unit)} {name}"
+    return f"{number(size)} B"
 
 
 def kinds(scene, key):
@@ -97,7 +179,7 @@ def kinds(scene, key):
     table = pd.DataFrame({
         "label": points.label,
         "missed (% of what meets)": points.false_negative / met * 100 if met else np.nan,
-        "invented (per pair that meets)": points.false_positive / met if met else np.nan,
+        "false positives per pair that meets": points.false_positive / met if met else np.nan,
         "false negatives": points.false_negative.astype("int64"),
         "false positives": points.false_positive.astype("int64"),
         "error": points.error,
@@ -113,12 +195,12 @@ def kinds(scene, key):
         f" all steps.{rest}"
     )
     missed = drawn["missed (% of what meets)"] if met else drawn["false negatives"]
-    invented = drawn["invented (per pair that meets)"] if met else drawn["false positives"]
+    reported = drawn["false positives per pair that meets"] if met else drawn["false positives"]
     fig, (left, right) = figure(1, 2, height=0.75 + 0.2 * max(len(drawn), 3), sharey=True)
     rows = np.arange(len(drawn))[::-1]
     for axes, values, colour, words in (
         (left, missed, MISSED, "missed, % of what meets" if met else "missed"),
-        (right, invented, INVENTED, "invented per pair that meets" if met else "invented"),
+        (right, reported, FALSE_POSITIVE, "false positives per pair that meets" if met else "false positives"),
     ):
         axes.barh(rows, values, color=colour, height=0.72)
         axes.set_xlabel(words)
@@ -136,14 +218,14 @@ def kinds(scene, key):
 def _kinds_finding(points, met):
     if not met:
         return f"No pair meets; {(points.hits == 0).sum()} of {len(points)} report none either"
-    none_missed, none_invented = (points.false_negative == 0).sum(), (points.false_positive == 0).sum()
+    none_missed, none_false = (points.false_negative == 0).sum(), (points.false_positive == 0).sum()
     misses = points.loc[points.false_negative.idxmax()]
-    invents = points.loc[points.false_positive.idxmax()]
-    words = f"{none_missed} of {len(points)} miss nothing, {none_invented} invent nothing"
+    most = points.loc[points.false_positive.idxmax()]
+    words = f"{none_missed} of {len(points)} miss nothing, {none_false} {verb(none_false, 'has', 'have')} no false positive"
     if misses.false_negative:
         words += f"; {misses.label} misses most, {number(misses.false_negative / met * 100)} % of what meets"
-    if invents.false_positive:
-        words += f"; {invents.label} invents most, {number(invents.false_positive / met)} for every pair that meets"
+    if most.false_positive:
+        words += f"; {most.label} has the most false positives, {number(most.false_positive / met)} for every pair that meets"
     return words
 
 
@@ -153,7 +235,7 @@ def _caption(scene, points, cost):
         "Each algorithm's operations are elementary tests of its own kind (named below); they are the same on every"
         " machine."
     )
-    what = "Time is the mean over steps of the fastest repeat, one thread, preparation of bodies included."
+    what = "Time is the mean over steps of the fastest repeat, one thread, preparation of bodies included." + _trust(points)
     machines = " ".join(f"Timed on {machine}." for machine in dict.fromkeys(points.machine)) if len(points) else ""
     configs = ", ".join(dict.fromkeys(f"{r.meta.get('config_sha256', '?')[:12]}" for r in scene.runs))
     commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
@@ -165,6 +247,28 @@ def _caption(scene, points, cost):
         f" Pareto front: nothing below it is cheaper. {what if cost == 'time_mean_ns' else units} Configuration"
         f" {configs}, motion and truth of commit {commits}. " + (machines if cost == "time_mean_ns" else "")
     ).strip()
+
+
+def _trust(points):
+    """What a caption says about how far times can be trusted."""
+    if not _intervals(points).any():
+        return ""
+    floor = pareto.widest(*points.floor) if "floor" in points else None
+    words = (
+        " Bars are 95 % intervals of the mean, by a block bootstrap over steps like these; which of two labels is faster is"
+        " told by their ratio over the same steps, in the table below."
+    )
+    if floor is not None:
+        most = max(floor.high, 1 / floor.low)
+        words += f" A label timed twice differed by up to {number(100 * (most - 1))} %: no less is called a difference."
+    return words
+
+
+def _intervals(points):
+    """Which of the points have an interval of their mean time."""
+    if not {"time_mean_low_ns", "time_mean_high_ns"} <= set(points):
+        return pd.Series(False, index=points.index)
+    return points.time_mean_low_ns.notna() & points.time_mean_high_ns.notna()
 
 
 def _left_out(names):
@@ -179,6 +283,14 @@ def _table(points, cost, scene):
     table = pd.DataFrame({"label": points.label, "error": points.error})
     if cost == "time_mean_ns":
         table["mean time (µs)"] = points[cost] / 1e3
+        if _intervals(points).any():
+            table["from"], table["to"] = points.time_mean_low_ns / 1e3, points.time_mean_high_ns / 1e3
+        if "times" in points and len(points):
+            fastest = points.loc[points[cost].idxmin()]
+            ratios = [pareto.compared(point, fastest) for _, point in points.iterrows()]
+            table["times the fastest"] = [ratio.value for ratio in ratios]
+            table["at least"], table["at most"] = [ratio.low for ratio in ratios], [ratio.high for ratio in ratios]
+            table["as fast as"] = [", ".join(_equals(points, point)) for _, point in points.iterrows()]
     else:
         table["operations per step"] = points[cost]
         table["unit"] = points.unit
@@ -189,6 +301,12 @@ def _table(points, cost, scene):
     if len(scene.runs) > 1:
         table["file"] = points.file
     return table.sort_values(table.columns[2], ignore_index=True)
+
+
+def _equals(points, point):
+    """The labels that are as fast as one."""
+    told = _told_apart(points, "time_mean_ns")
+    return [other.label for _, other in points.iterrows() if other.label != point.label and not told(other, point)]
 
 
 def _draw(points, cost):
@@ -210,7 +328,7 @@ def _draw(points, cost):
     )
     _axes(main, strip, points, cost)
 
-    titles = {}
+    titles, known = {}, _intervals(points)
     show = time if cost == "time_mean_ns" else lambda value: f"{number(value)} operations"
     for row, point in points.iterrows():
         look = style(point.algorithm)
@@ -229,6 +347,10 @@ def _draw(points, cost):
         mark |= {"markeredgewidth": 1.5 if point.scope == "scene" else 0.4}
         mark |= {} if point.scope == "scene" else {"markeredgecolor": "white"}
         titles[f"mark{row}"] = f"{point.label}: error {number(point.error)}, {show(point[cost])}"
+        if cost == "time_mean_ns" and known[row]:
+            ends = [point.time_mean_low_ns, point.time_mean_high_ns]
+            titles[f"mark{row}"] += f" ({time(ends[0])} to {time(ends[1])})"
+            axes.plot(ends, [y, y], color=look["color"], linewidth=1, solid_capstyle="butt", alpha=0.7, zorder=3)
         axes.plot([point[cost]], [y], gid=f"mark{row}", **mark)
         for marked, shape, wider in ((point.exact, "o", 6), (point.library, "s", 9)):
             if marked:

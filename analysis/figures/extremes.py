@@ -5,10 +5,10 @@ import pandas as pd
 from matplotlib.patches import Patch
 
 from analysis.tables import extremes, pareto
-from analysis.figures.drawing import guarded, listed, shortened
-from analysis.figures.figure import INVENTED, MISSED, Figure, Section, Table, figure, svg_of, slug
-from analysis.figures.error import number
+from analysis.figures.drawing import guarded, shortened
+from analysis.figures.figure import FALSE_POSITIVE, MISSED, Figure, Section, Table, figure, svg_of, slug
 from analysis.figures.study import draw_map, heads_of, source, space
+from analysis.words import listed, number, verb
 
 # An error that differs by less over a thing may do so by chance: in configs/extremes.toml errors of one half of the
 # random orientations of an offset differ by up to 0.053 from those of the other.
@@ -39,12 +39,12 @@ def gap_shares(run):
     """The share of wrong answers by algorithm and class of gap, near touching apart.
 
     Rows as of extremes.error_by_gap, as columns; wrong: false positives and false negatives over the cases that did not fail
-    (NaN where all failed); missed, invented: its two parts. The contract's error is 0 or 1 where nothing meets, so it would
+    (NaN where all failed); missed, false positive: its two parts. The contract's error is 0 or 1 where nothing meets, so it would
     say nothing of a class of gaps.
     """
     table = extremes.error_by_gap(run).reset_index()
     said = (table["cases"] - table["failed"]).where(lambda n: n > 0)
-    return table.assign(missed=table["false_negative"] / said, invented=table["false_positive"] / said)
+    return table.assign(missed=table["false_negative"] / said, **{"false positive": table["false_positive"] / said})
 
 
 def gap_classes(table):
@@ -70,7 +70,7 @@ def drawn_classes(table):
 
 
 def gap_figure(run, key):
-    """A row per algorithm, a column per class of gap; bars of what is missed and invented."""
+    """A row per algorithm, a column per class of gap; bars of what is missed and of false positives."""
     table = gap_shares(run)
     shown, classes = drawn_classes(table), gap_classes(table)
     labels = [label for label in run.meta["algorithms"] if label in set(table["algorithm"])]
@@ -84,7 +84,7 @@ def gap_figure(run, key):
         mine = shown[shown["algorithm"] == label]
         x = mine["gap_class"].map(place).to_numpy(float)
         foot = np.full(len(mine), float(base))
-        for column, colour in (("missed", MISSED), ("invented", INVENTED)):
+        for column, colour in (("missed", MISSED), ("false positive", FALSE_POSITIVE)):
             # A share too small to be seen is given a visible foot: nothing wrong is told from little.
             height = mine[column].fillna(0).to_numpy(float)
             height = np.where(height > 0, np.maximum(0.82 * height, 0.05), 0)
@@ -100,7 +100,7 @@ def gap_figure(run, key):
     ax.tick_params(axis="y", length=0)
     ax.grid(False)
     ax.spines["left"].set_visible(False)
-    handles = [Patch(color=colour, label=word) for word, colour in (("missed", MISSED), ("invented", INVENTED),
+    handles = [Patch(color=colour, label=word) for word, colour in (("missed", MISSED), ("false positive", FALSE_POSITIVE),
                                                                           ("within 1000 ulps of touching", SHADE))]  # fmt: skip
     space(fig, top=0.3)
     fig.legend(handles=handles, loc="upper center", ncols=3, frameon=False, fontsize=9)
@@ -111,20 +111,20 @@ def gap_figure(run, key):
     caption = (
         f"Share of wrong answers among {number(everything)} cases of each algorithm; a full row's height is 100 %, any error has a visible foot; cases in which it failed are left out. Shaded: within "
         f"1000 ulps of touching, {number(apart)} cases, counted apart; {number(hidden)} of them are decades so small that they are within 1000 ulps at their offset, and "
-        f"are not in the bars. Deep inside, a body may lie wholly in the other or beyond it: no surfaces meet there, and a hit is invented. A cross: the algorithm failed in all cases of the class. {source(run)}"
+        f"are not in the bars. Deep inside, a body may lie wholly in the other or beyond it: no surfaces meet there, and a hit is a false positive. A cross: the algorithm failed in all cases of the class. {source(run)}"
     )  # fmt: skip
     return Figure(gap_title(table, labels), svg_of(fig), caption, table.drop(columns="error").reset_index(drop=True), key)
 
 
 def totals(table):
-    """Per algorithm over all cases not near touching, and near: wrong share, missed share of what meets, invented, failed."""
+    """Per algorithm over all cases not near touching, and near: wrong share, missed share of what meets, false positives, failed."""
     rows = {}
     for (label, near), mine in table.groupby(["algorithm", "near_touching"], observed=True):
         said = int((mine["cases"] - mine["failed"]).sum())
-        missed, invented = int(mine["false_negative"].sum()), int(mine["false_positive"].sum())
+        missed, reported = int(mine["false_negative"].sum()), int(mine["false_positive"].sum())
         rows[label, bool(near)] = {
-            "cases": int(mine["cases"].sum()), "failed": int(mine["failed"].sum()), "missed": missed, "invented": invented,
-            "wrong": (missed + invented) / said if said else np.nan,
+            "cases": int(mine["cases"].sum()), "failed": int(mine["failed"].sum()), "missed": missed, "false positives": reported,
+            "wrong": (missed + reported) / said if said else np.nan,
         }  # fmt: skip
     table = pd.DataFrame.from_dict(rows, orient="index")
     table.index = pd.MultiIndex.from_tuples(table.index, names=["algorithm", "near_touching"])
@@ -139,13 +139,13 @@ def gap_title(table, labels):
     right = [label for label in labels if label in away.index and away["wrong"][label] == 0]
     never = [label for label in labels if label in away.index and away["missed"][label] == 0 and label not in right]
     if away["wrong"].isna().all():
-        return f"{listed(away.index)} {'fails' if len(away) == 1 else 'fail'} in all cases beyond rounding of touching"
+        return f"{listed(away.index)} {verb(away, 'fails', 'fail')} in all cases beyond rounding of touching"
     if right:
-        text = f"Beyond rounding of touching {listed(right)} {'is' if len(right) == 1 else 'are'} never wrong"
+        text = f"Beyond rounding of touching {listed(right)} {verb(right, 'is', 'are')} never wrong"
     else:
         best = away["wrong"].idxmin()
         text = f"Beyond rounding of touching every algorithm errs; {best} least, in {100 * away['wrong'][best]:.1f} % of its cases"
-    return f"{text}; {listed(never)} {'invents' if len(never) == 1 else 'invent'} but never {'misses' if len(never) == 1 else 'miss'}" if never else text
+    return f"{text}; {listed(never)} {verb(never, 'has', 'have')} false positives but {verb(never, 'misses', 'miss')} nothing" if never else text
 
 
 def share_text(value):
@@ -230,7 +230,7 @@ def instability_table(run):
              "No answer changes with the order of a pair, nor when both bodies are moved exactly" if not who else
              f"{number(swapped)} answers change with the order of the pair and {number(moved)} when both bodies are moved exactly: {listed(who)}")  # fmt: skip
     failed = list(dict.fromkeys(table.index[table["failed"] > 0].get_level_values("algorithm")))
-    title += f"; {listed(failed)} {'fails' if len(failed) == 1 else 'fail'} in {number(int(table['failed'].sum()))} cases" if failed else "; none fails"
+    title += f"; {listed(failed)} {verb(failed, 'fails', 'fail')} in {number(int(table['failed'].sum()))} cases" if failed else "; none fails"
     caption = (f"Cases that did not fail; a move is by an exactly representable step, and cases in which it changes the truth (rounding of the world's vertices) are apart. "
                f"{source(run)}")  # fmt: skip
     return Table(title, frame.set_index("algorithm"), caption)

@@ -5,11 +5,11 @@ can be searched, and the same data give the same bytes.
 """
 
 import hashlib
-import html
 import io
 import re
 import zlib
 from dataclasses import dataclass
+from xml.etree import ElementTree
 
 import matplotlib
 
@@ -29,7 +29,7 @@ PALETTE = {
     "grey": "#767676",
 }
 
-MISSED, INVENTED = PALETTE["vermilion"], PALETTE["blue"]  # the two kinds of error, here as in the viewer
+MISSED, FALSE_POSITIVE = PALETTE["vermilion"], PALETTE["blue"]  # the two kinds of error, here as in the viewer
 
 WIDTH = 6.0  # inches; at 9.5 points text is read on a phone, where the figure is about 340 pixels wide
 HEIGHT = 4.0
@@ -160,29 +160,53 @@ def svg_of(fig, titles=None):
     on white, so lines below it do not hurt.
     """
     with plt.rc_context(SETTINGS):
-        target = io.StringIO()
-        fig.savefig(target, format="svg", metadata={"Date": None})
+        drawn = io.StringIO()
+        fig.savefig(drawn, format="svg", metadata={"Date": None})
     plt.close(fig)
-    text = target.getvalue()
-    text = text[text.index("<svg") :]
-    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
-    text = re.sub(r"<style type=\"text/css\">.*?</style>", "", text, flags=re.DOTALL)
-    text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
-    text = text.replace("xlink:href=", "href=")
-    text = re.sub(r' xmlns(:xlink)?="[^"]*"', "", text)
-    for gid, words in (titles or {}).items():
-        text = text.replace(f'<g id="{gid}">', f"<g><title>{html.escape(words)}</title>")
-    halo = "paint-order:stroke;stroke:#fff;stroke-width:2.5px;stroke-linejoin:round"
-    text = text.replace('<g id="halo">', f'<g style="{halo}">')
-    prefix = "f" + hashlib.sha256(text.encode()).hexdigest()[:10]
-    used = set(re.findall(r'href="#([^"]+)"', text)) | set(re.findall(r"url\(#([^)]+)\)", text))
-    text = re.sub(r' id="([^"]+)"', lambda found: f' id="{prefix}{found[1]}"' if found[1] in used else "", text)
-    text = re.sub(r'href="#', f'href="#{prefix}', text)
-    text = re.sub(r"url\(#", f"url(#{prefix}", text)
-    text = re.sub(r'<svg ([^>]*?)(width|height)="[\d.]+pt" ', r"<svg \1", text)
-    text = re.sub(r'<svg ([^>]*?)(width|height)="[\d.]+pt" ', r"<svg \1", text)
-    text = text.replace("<svg ", '<svg style="stroke-linejoin:round;stroke-linecap:butt" ', 1)
-    return re.sub(r"\n\s*", "\n", text).strip()
+    root = ElementTree.fromstring(drawn.getvalue())  # without comments
+    for parent in list(root.iter()):
+        for child in [child for child in parent if _name(child.tag) in ("metadata", "style")]:
+            parent.remove(child)
+    for element in root.iter():
+        element.tag, element.tail = _name(element.tag), "\n"
+        element.text = element.text if element.text and element.text.strip() else None
+        for key in list(element.attrib):  # without the namespace of links
+            value = element.attrib.pop(key)
+            element.set(_name(key), "".join(value.split()) if value.startswith("data:") else value)
+        gid = element.get("id")
+        if gid in (titles or {}):
+            del element.attrib["id"]
+            title = ElementTree.Element("title")
+            title.text = titles[gid]
+            element.insert(0, title)
+        elif gid == "halo":
+            del element.attrib["id"]
+            element.set("style", "paint-order:stroke;stroke:#fff;stroke-width:2.5px;stroke-linejoin:round")
+    for key in ("width", "height"):
+        root.attrib.pop(key, None)  # the page's, not the paper's
+    root.set("style", "stroke-linejoin:round;stroke-linecap:butt")
+    _rename(root)
+    return ElementTree.tostring(root, encoding="unicode").strip()
+
+
+def _name(qualified):
+    """A tag or an attribute without its namespace."""
+    return qualified.rpartition("}")[2]
+
+
+def _rename(root):
+    """Identifiers that something refers to begin with a digest of the content; the others go."""
+    link = re.compile(r"(?<=url\()#([^)]+)|^#(.+)")  # in a style or a clip-path; the whole of an href
+    prefix = "f" + hashlib.sha256(ElementTree.tostring(root)).hexdigest()[:10]
+    used = set()
+    for element in root.iter():
+        for key, value in element.attrib.items():
+            if key == "href" or "url(" in value:
+                used.update(one or other for one, other in link.findall(value))
+                element.set(key, link.sub(lambda found: f"#{prefix}{found[1] or found[2]}", value))
+    for element in root.iter():
+        if (own := element.attrib.pop("id", None)) in used:
+            element.set("id", prefix + own)
 
 
 def slug(text):

@@ -6,8 +6,9 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Rectangle
 
 from analysis.tables import thresholds as t
-from analysis.figures.drawing import NotDrawn, caption, key, listed, shortened
+from analysis.figures.drawing import NotDrawn, caption, key, shortened
 from analysis.figures.figure import Figure, figure, svg_of
+from analysis.words import listed, verb
 
 # Late is orange, early is purple (ColorBrewer's PuOr, told apart by colour-blind readers); the words' own steps.
 EDGES = [-np.inf, -t.TOO_EARLY_M, -t.SLIGHT_M, -t.EXACT_M, t.EXACT_M, t.SLIGHT_M, t.TOO_EARLY_M, np.inf]
@@ -20,7 +21,7 @@ FLICKER = ["#FFFFFF", "#DEEBF7", "#9ECAE1", "#4292C6", "#08519C"]
 def outcomes(passes, by):
     """One row per algorithm and value of `by` (columns of `passes`), in order of appearance.
 
-    Columns: passes; touching (that truly meet); missed (of those, never reported); false alarms (reported though they
+    Columns: passes; touching (that truly meet); missed (of those, never reported); false positives (reported though they
     never meet); first m, last m (medians over those that meet and are reported: how far before the exact contact, less
     than 0 after it; NaN for none); flicker (changes of the answer within contacts).
     """
@@ -29,15 +30,15 @@ def outcomes(passes, by):
     table = passes.assign(
         touching=touching,
         missed=touching & ~seen,
-        alarms=~touching & (passes.reported > 0),
+        reports=~touching & (passes.reported > 0),
         first_m=passes["first"].where(seen),
         last_m=passes["last"].where(seen),
     )
     grouped = table.groupby(["algorithm", *by], sort=False, observed=True)
-    sums = grouped[["touching", "missed", "alarms", "flicker"]].sum().astype(int)
+    sums = grouped[["touching", "missed", "reports", "flicker"]].sum().astype(int)
     sums.insert(0, "passes", grouped.size())
     sums[["first m", "last m"]] = grouped[["first_m", "last_m"]].median()
-    return sums.rename(columns={"alarms": "false alarms"})
+    return sums.rename(columns={"reports": "false positives"})
 
 
 def passes_of(run):
@@ -60,7 +61,7 @@ def kinds(passes):
 
 
 def contact_map(run, _, name):
-    """Obstacle by algorithm: metres early or late, misses and false alarms."""
+    """Obstacle by algorithm: metres early or late, misses and false positives."""
     passes = passes_of(run)
     cells = outcomes(passes, ["target"])
     overall = outcomes(passes, [])
@@ -91,7 +92,7 @@ def kind_map(run, _, name):
 
 
 def title_of(overall):
-    """overall: outcomes over all obstacles. What is earliest, misses most, invents most and is exact."""
+    """overall: outcomes over all obstacles. What is earliest, misses most, has the most false positives and is exact."""
     if not overall.touching.any():
         return "No pass meets its obstacle, so nothing can be early or late"
     first = overall["first m"].dropna()
@@ -103,16 +104,16 @@ def title_of(overall):
         parts.append(f"{worst} misses most ({overall.missed[worst]} of {overall.touching[worst]} passes that meet)")
     else:
         parts.append("no algorithm misses a pass that meets")
-    worst = overall["false alarms"].idxmax()
+    worst = overall["false positives"].idxmax()
     apart = overall.passes - overall.touching
-    if overall["false alarms"][worst]:
-        same = int((overall["false alarms"] == overall["false alarms"][worst]).sum()) - 1
+    if overall["false positives"][worst]:
+        same = int((overall["false positives"] == overall["false positives"][worst]).sum()) - 1
         parts.append(
-            f"{worst}{f' and {same} more' if same else ''} raise{'' if same else 's'} most false alarms "
-            f"({overall['false alarms'][worst]} of {apart[worst]} passes that do not meet)"
+            f"{worst}{f' and {same} more' if same else ''} {verb(same + 1, 'has', 'have')} the most false positives "
+            f"({overall['false positives'][worst]} of {apart[worst]} passes that do not meet)"
         )
-    right = overall.index[(overall.missed == 0) & (overall["false alarms"] == 0)]
-    parts.append(f"neither miss nor false alarm: {listed(right)}" if len(right) else "none is free of both")
+    right = overall.index[(overall.missed == 0) & (overall["false positives"] == 0)]
+    parts.append(f"neither miss nor false positive: {listed(right)}" if len(right) else "none is free of both")
     return "; ".join(parts)
 
 
@@ -132,8 +133,8 @@ def drawn_map(run, cells, title, what, name):
             first, errors = cell["first m"], []
             if cell.missed:
                 errors.append(f"m{cell.missed:.0f}")
-            if cell["false alarms"]:
-                errors.append(f"f{cell['false alarms']:.0f}")
+            if cell["false positives"]:
+                errors.append(f"f{cell['false positives']:.0f}")
             if not np.isnan(first):
                 face, text, ink = colours(norm(first)), metres(first), "black"
                 ink = "white" if abs(first) > t.TOO_EARLY_M and first > 0 else "black"
@@ -149,7 +150,7 @@ def drawn_map(run, cells, title, what, name):
     text = (
         "First report in metres before (+) or after (−) the exact first contact, median over the passes that meet and "
         "are reported; m: passes that meet and are never reported (misses), f: passes that never meet and are reported "
-        f"(false alarms); “never”: all are missed; “–”: no pass meets. {what} n = {passes_of(run).number.nunique()} "
+        f"(false positives); “never”: all are missed; “–”: no pass meets. {what} n = {passes_of(run).number.nunique()} "
         f"passes and {len(labels)} algorithms.{more}"
     )
     table = cells.drop(columns="flicker").reset_index()

@@ -19,7 +19,6 @@ from analysis.figures.drawing import (
     heads,
     label_ends,
     left_out,
-    listed,
     log_seconds,
     panels,
     seconds,
@@ -30,6 +29,7 @@ from analysis.figures.drawing import (
     time_text,
 )
 from analysis.figures.figure import PALETTE, Figure, figure, style, svg_of
+from analysis.words import listed
 
 THESIS = {"box": "figures 5.5 to 5.13", "falling": "figures 5.17 to 5.25"}
 TRUTH = "#DADADA"

@@ -7,9 +7,9 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
 
 from analysis.tables import pareto, studies, study_tables
-from analysis.figures.drawing import BINS, guarded, listed
+from analysis.figures.drawing import BINS, guarded
 from analysis.figures.figure import PALETTE, Figure, Section, Table, figure, style, svg_of, slug
-from analysis.figures.error import counted, number
+from analysis.words import counted, listed, number, plural, verb
 
 # The families have colours, their members markers and lines; the same in every figure.
 INTEGRATORS = {
@@ -144,7 +144,7 @@ def precision_title(best, word):
         wins = rows["integrator"].value_counts()
         leaders = sorted(wins.index[wins == wins.max()])
         who = listed(leaders) if len(leaders) <= 2 else f"{len(leaders)} integrators"
-        need = "needs" if len(leaders) == 1 else "each need"
+        need = verb(leaders, "needs", "each need")
         parts.append(f"{who} {need if not parts else need.replace('needs', 'does').replace('need', 'do')}"
                      f"{' the ' + word if not parts else ''} for errors below {threshold:.0e} on {wins.max()} of {len(rows)} problems")  # fmt: skip
     return "; ".join(parts).replace("e-0", "e-")
@@ -199,7 +199,7 @@ def precision_panels(table, problems, cost, label, chosen, apart=None):
 
 
 def space(fig, top=0.0, bottom=0.0):
-    """Leaves so many inches above and below the axes to legends."""
+    """Leaves that many inches above and below the axes to legends."""
     height = fig.get_size_inches()[1]
     fig.get_layout_engine().set(rect=(0, bottom / height, 1, 1 - (top + bottom) / height))
 
@@ -371,9 +371,9 @@ def map_title(table):
     lost = table["who"][~table["finished"]].unique()
     where = range_text(table, "Pa")
     names = list(good.index[good])
-    text = f"{problem.capitalize()}: " + (f"{listed(names)} keep{'s' if len(names) == 1 else ''} the energy within 1 % {where}" if names
+    text = f"{problem.capitalize()}: " + (f"{listed(names)} {verb(names, 'keeps', 'keep')} the energy within 1 % {where}" if names
                                           else f"no integrator keeps the energy within 1 % {where}")  # fmt: skip
-    return f"{text}; {listed(lost)} {'does' if len(lost) == 1 else 'do'} not finish everywhere" if len(lost) else f"{text}; all finish"
+    return f"{text}; {listed(lost)} {verb(lost, 'does', 'do')} not finish everywhere" if len(lost) else f"{text}; all finish"
 
 
 def range_text(table, unit):
@@ -407,7 +407,7 @@ def factor_figure(run, names, key):
     good = study_tables.holds(table)
     best = good.groupby(table["who"], sort=False).all()
     worst = (~good).groupby(table["factor"]).mean()
-    title = f"{listed(best.index[best])} keep{'s' if best.sum() == 1 else ''} the energy within 1 % whatever one factor is" if best.any() else (
+    title = f"{listed(best.index[best])} {verb(best.sum(), 'keeps', 'keep')} the energy within 1 % whatever one factor is" if best.any() else (
         f"No integrator keeps the energy within 1 % over all factors; {worst.idxmax().replace('_', ' ')} costs most")  # fmt: skip
     caption = f"One factor at a time around the defaults; {len(table)} cases. Cells as in the stability map, in percent. {source(run)}"
     return Figure(title, svg_of(fig), caption, table.drop(columns="who"), key)
@@ -550,7 +550,7 @@ def drift_words(run):
     try:
         count = studies.escaped(run)
         where = " (ended below everything fixed, or ten times its size away)" if count else ""
-        words.append(f"{count or 'no'} {'body' if count == 1 else 'bodies'} escaped{where}")
+        words.append(f"{count or 'no'} {plural(count, 'body', 'bodies')} escaped{where}")
     except (KeyError, IndexError, AttributeError, ValueError, TypeError):
         pass  # a file without motion or bodies
     return "; ".join(words)

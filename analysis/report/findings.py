@@ -7,11 +7,11 @@ unfinished integration, cases left out) come first.
 import numpy as np
 
 from analysis.figures import extremes as extremes_figures
-from analysis.tables import extremes, pareto, studies, study_tables
-from analysis.figures.drawing import NotDrawn, listed, plain, time_text
+from analysis.tables import extremes, intervals, pareto, studies, study_tables
+from analysis.figures.drawing import NotDrawn, places, plain, time_text
 from analysis.figures.figure import Points, Section
-from analysis.figures.error import counted, number
 from analysis.figures.study import FAILED, OTHERWISE, causes, drift_words, follow_text, heads_of, steady
+from analysis.words import counted, listed, number, verb
 
 
 def section(runs):
@@ -81,7 +81,7 @@ def converged(run):
         nominal, low, high = mine["nominal"].iloc[0], mine["order"].min(), mine["order"].max()
         range_ = f"{low:.2f}" if f"{low:.2f}" == f"{high:.2f}" else f"{low:.2f} to {high:.2f}"
         off = mine[mine["order"] < nominal - 0.3]
-        text = f"{name} converges with order {range_} on {len(mine)} problem{'s' if len(mine) > 1 else ''}; nominal is {nominal:g}"
+        text = f"{name} converges with order {range_} on {counted(len(mine), 'problem')}; nominal is {nominal:g}"
         if len(off):
             text += f", which it falls short of on {listed(off['sweep'].str.replace('_', ' '))}"
         found.append(text + ".")
@@ -104,7 +104,7 @@ def held(run):
         if not whole:
             found.append(f"On the {problem} no integrator has all of {len(values)} values {where}; who holds everywhere cannot be said.")
         elif keep:
-            found.append(f"On the {problem} {listed(keep)} keep{'s' if len(keep) == 1 else ''} the energy within {100 * study_tables.BOUND:g} % {where}.")
+            found.append(f"On the {problem} {listed(keep)} {verb(keep, 'keeps', 'keep')} the energy within {100 * study_tables.BOUND:g} % {where}.")
         else:
             found.append(f"On the {problem} no integrator keeps the energy within {100 * study_tables.BOUND:g} % everywhere {where}.")
         lost = mine[~mine["finished"]]
@@ -202,10 +202,10 @@ def answers(run):
         right = list(said.index[said["wrong"] == 0])
         if right:
             names = [f"{name}{judged(said.loc[name])}" for name in right]
-            found.append(f"{listed(names)} {'is' if len(right) == 1 else 'are'} never wrong in {counted(int(mine['cases'].max()), 'case')} {where}.")
+            found.append(f"{listed(names)} {verb(right, 'is', 'are')} never wrong in {counted(int(mine['cases'].max()), 'case')} {where}.")
         wrong = said[said["wrong"] > 0].sort_values("wrong", kind="stable")
         if len(wrong):
-            each = [f"{name} {100 * row['wrong']:.2f} %{judged(row)} ({number(int(row['missed']))} missed, {number(int(row['invented']))} invented)" for name, row in wrong.iterrows()]
+            each = [f"{name} {100 * row['wrong']:.2f} %{judged(row)} ({number(int(row['missed']))} missed, {counted(int(row['false positives']), 'false positive')})" for name, row in wrong.iterrows()]
             found.append(f"Wrong {where}: {'; '.join(each)}.")
     shaky = extremes.instability(run)
     total = shaky.groupby("algorithm", observed=True)[["cases", "swapped", "moved", "failed"]].sum()
@@ -271,4 +271,9 @@ def algorithms(run):
             f"{quick.name} is quickest, {quick['error']:.3g} at {time_text(quick['time_mean_ns'])}.")  # fmt: skip
     if least.name == quick.name:
         text = f"Of {len(told)} labels {least.name} errs least and is quickest: {least['error']:.3g} at {time_text(least['time_mean_ns'])} a step."
+    times = {label: times for label, times in run.step_times.items() if label in told.index}
+    equals = [label for label, mine in times.items() if label != quick.name
+              and intervals.alike(intervals.ratio(mine, times[quick.name]), run.noise)]  # fmt: skip
+    if equals and len(places(run)) == 1:
+        text += f" {listed(equals)} {verb(equals, 'is', 'are')} as fast as {quick.name}: their times do not differ."
     return [text]

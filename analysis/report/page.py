@@ -1,6 +1,5 @@
 """Sections as one HTML page that needs nothing else: no network, no font, no other file."""
 
-import html
 import numbers
 import pathlib
 import re
@@ -9,6 +8,10 @@ import numpy as np
 import pandas as pd
 
 from analysis.figures.figure import Figure, Points, Table, Text, slug
+from analysis.output import templates
+from analysis.words import counted
+
+HERE = pathlib.Path(__file__).parent
 
 LONG = 40  # characters: texts that are given room to be read in lines
 SHORT = 26  # characters: texts that do not break
@@ -26,70 +29,29 @@ def page(title, lead, warnings, sections):
     for section in sections:
         key = slug(section.title)
         used[key] = used.get(key, 0) + 1
-        bodies.append((key if used[key] == 1 else f"{key}-{used[key]}", section))
-    links = "".join(f'<li><a href="#{key}">{html.escape(section.title)}</a></li>' for key, section in bodies)
-    return "\n".join(
-        [
-            '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f"<title>{html.escape(title)}</title>\n<style>\n{_beside('page.css')}</style>\n</head>\n<body>",
-            '<a class="skip" href="#content">To the content</a>',
-            f"<header><h1>{html.escape(title)}</h1>",
-            *(f'<p class="lead">{html.escape(text)}</p>' for text in lead),
-            f'<nav aria-label="Sections"><ol>{links}</ol></nav></header>',
-            '<main id="content">',
-            _warnings(warnings),
-            *(_section(key, section) for key, section in bodies),
-            "</main>",
-            (
-                "<footer>Made by scripts/analysis report from result files alone; every figure's numbers are below"
-                " it.</footer>"
-            ),
-            f"<script>\n{_beside('page.js')}</script>\n</body>\n</html>\n",
-        ]
+        bodies.append((key if used[key] == 1 else f"{key}-{used[key]}", section.title, map(_part, section.parts)))
+    return templates(HERE).get_template("page.html").render(
+        title=title, lead=lead, warnings=warnings, sections=bodies, css=_beside("page.css"), script=_beside("page.js")
     )
 
 
 def _beside(name):
-    return pathlib.Path(__file__).with_name(name).read_text(encoding="utf-8")
-
-
-def _warnings(warnings):
-    if not warnings:
-        return ""
-    items = "".join(f"<li>{html.escape(text)}</li>" for text in warnings)
-    head = '<section class="warnings" aria-labelledby="warnings"><h2 id="warnings">Mind this</h2>'
-    return f"{head}<ul>{items}</ul></section>"
-
-
-def _section(key, section):
-    parts = "\n".join(_part(part) for part in section.parts)
-    return f'<section aria-labelledby="{key}"><h2 id="{key}">{html.escape(section.title)}</h2>\n{parts}\n</section>'
+    return (HERE / name).read_text(encoding="utf-8")
 
 
 def _part(part):
+    """A part as what its macro in page.html takes: its name and the arguments."""
     if isinstance(part, Figure):
-        title = html.escape(part.title.removesuffix("."))
-        rows, count = table(part.table, part.title), len(part.table)
         kind = "picture dense" if dense(part.svg) else "picture"
-        return (
-            f'<figure id="{html.escape(part.key)}"><h3>{title}</h3>\n'
-            f'<div class="{kind}" role="img" aria-label="{title}">{part.svg}</div>\n'
-            f"<figcaption>{html.escape(part.caption)}</figcaption>\n"
-            f"<details><summary>The numbers ({count} row{'s' * (count != 1)})</summary>{rows}</details></figure>"
-        )
+        return "figure", (part.key, part.title.removesuffix("."), kind, part.svg, part.caption, table(part.table, part.title),
+                          counted(len(part.table), "row"))
     if isinstance(part, Points):
-        items = "".join(f"<li>{html.escape(text)}</li>" for text in part.items)
-        return f'<div class="points"><h3>{html.escape(part.title)}</h3>\n<ul>{items}</ul></div>'
+        return "points", (part.title, part.items)
     if isinstance(part, Table):
-        return (
-            f'<div class="table"><h3>{html.escape(part.title)}</h3>\n{table(part.frame, part.title)}\n'
-            f'<p class="caption">{html.escape(part.caption)}</p></div>'
-        )
+        return "titled", (part.title, table(part.frame, part.title), part.caption)
     if isinstance(part, Text):
-        title, text = html.escape(part.title), html.escape(part.text)
-        return f"<details class=text><summary>{title}</summary><pre>{text}</pre></details>"
-    return f"<p>{html.escape(part)}</p>"
+        return "text", (part.title, part.text)
+    return "paragraph", (part,)
 
 
 def dense(svg):
@@ -98,8 +60,8 @@ def dense(svg):
 
 
 def table(frame, title):
-    """A DataFrame as a table that scrolls within itself. The row's head is the index, or the first column when rows are
-    only numbered."""
+    """A DataFrame as what page.html makes a table of, which scrolls within itself. The row's head is the index, or the
+    first column when rows are only numbered."""
     if isinstance(frame.index, pd.RangeIndex) and len(frame.columns):
         frame = frame.set_index(frame.columns[0], drop=True)
     frame = frame.reset_index() if isinstance(frame.index, pd.MultiIndex) else frame
@@ -107,50 +69,43 @@ def table(frame, title):
         pd.api.types.is_numeric_dtype(frame.dtypes.iloc[c]) and frame.dtypes.iloc[c] != bool
         for c in range(frame.shape[1])
     ]
-    sortable = len(frame) > 2
-    heads = [_head(frame.index.name or "", sortable, False)]
-    heads += [_head(column, sortable, right) for column, right in zip(frame.columns, numeric)]
     columns = [_cells(frame.iloc[:, c], right) for c, right in enumerate(numeric)]
-    rows = []
-    for index, *cells in zip(frame.index, *columns):
-        cells = "".join(cells)
-        head = shown(index)
-        rows.append(f'<tr><th scope="row"{" class=long" if len(head) > LONG_HEAD else ""}>{head}</th>{cells}</tr>')
-    return (
-        f'<div class="scroll{" tall" if len(frame) > TALL else ""}" tabindex="0" role="region"'
-        f' aria-label="{html.escape(title)}: table"><table><thead><tr>{"".join(heads)}</tr></thead>\n<tbody>'
-        + "\n".join(rows)
-        + "</tbody></table></div>"
-    )
+    heads = map(shown, frame.index)
+    return {
+        "title": title,
+        "tall": len(frame) > TALL,
+        "sortable": len(frame) > 2,
+        "heads": [(_head(frame.index.name or ""), False), *zip(map(_head, frame.columns), numeric)],
+        "rows": [("long" if len(head) > LONG_HEAD else "", head, cells) for head, *cells in zip(heads, *columns)],
+    }
 
 
-def _head(name, sortable, right):
-    text = html.escape(" ".join(map(str, name)) if isinstance(name, tuple) else str(name))
-    inner = f'<button type="button">{text}</button>' if sortable and text else text
-    return f'<th scope="col"{" class=n" if right else ""}>{inner}</th>'
+def _head(name):
+    return " ".join(map(str, name)) if isinstance(name, tuple) else str(name)
 
 
 def _cells(values, right):
-    """The cells of a column. Fractions of one size get the same number of decimals, so that they can be compared."""
+    """The cells of a column: class, style and text. Fractions of one size get the same number of decimals, so that they
+    can be compared."""
     if not right:
         texts = [shown(value) for value in values]
-        return [f"<td{_width(text)}>{text}</td>" for text in texts]
+        return [(_width(text), "", text) for text in texts]
     if values.name == "error" and values.between(0, 1).all():
-        return [f'<td class="n bar" style="--v:{value * 100:.0f}%">{value:.4f}</td>' for value in values]
+        return [("n bar", f"--v:{value * 100:.0f}%", f"{value:.4f}") for value in values]
     size = values.abs()[(values != 0) & values.notna()].astype(float)
     size = size[np.isfinite(size)]
     decimals = None
     if pd.api.types.is_float_dtype(values.dtype) and len(size) and size.max() < 2000 * size.min():
         decimals = int(np.clip(2 - np.floor(np.log10(size.min())), 0, 6))
-    return [f"<td class=n>{shown(value, decimals)}</td>" for value in values]
+    return [("n", "", shown(value, decimals)) for value in values]
 
 
 def _width(text):
-    return " class=long" if len(text) > LONG else " class=s" if len(text) < SHORT else ""
+    return "long" if len(text) > LONG else "s" if len(text) < SHORT else ""
 
 
 def shown(value, decimals=None):
-    """A cell's text, escaped: four digits or so many decimals, whole numbers in full with narrow spaces, a dash for
+    """A cell's text: four digits or `decimals`, whole numbers in full with narrow spaces, a dash for
     what is not a number."""
     if isinstance(value, (bool, np.bool_)):
         return "yes" if value else "no"
@@ -166,4 +121,4 @@ def shown(value, decimals=None):
         return f"{value:.4g}"
     if value is None or value is pd.NaT or value is pd.NA:
         return "–"
-    return html.escape(str(value))
+    return str(value)

@@ -4,18 +4,23 @@ import json
 
 import pandas as pd
 
-from analysis.figures import error as plots_error, extremes as extremes_figures, study as study_figures, thesis as thesis_figures
+from analysis.figures import error as plots_error, extremes as extremes_figures, study as study_figures, sweep as sweep_figures, thesis as thesis_figures
 from analysis.report import findings
 from analysis.tables import pareto
 from analysis.figures.figure import Section, Table, Text
 from analysis.report.page import page
-from analysis.figures.error import counted, number
+from analysis.words import counted, listed, number, verb
 
 SUMMARY = {  # column of the summary -> its head
     "error": "error",
     "time_mean_ns": "mean time (µs)",
+    "time_mean_low_ns": "from (µs)",
+    "time_mean_high_ns": "to (µs)",
     "time_median_ns": "median time (µs)",
     "time_p95_ns": "95th percentile (µs)",
+    "setup_ns": "set-up (µs)",
+    "memory_bytes": "memory (KiB)",
+    "memory_greatest_bytes": "most memory (KiB)",
     "operations": "operations per step",
     "false_positive": "false positives",
     "false_negative": "false negatives",
@@ -27,6 +32,8 @@ SUMMARY = {  # column of the summary -> its head
 }
 
 
+DISTURBED = 0.02  # of the processor's time: more wall time than that was not the algorithm's
+
 WORDS = """
 pair: Two bodies, not both fixed. Every algorithm answers every pair at every step.
 hit: A pair that an algorithm reports.
@@ -36,17 +43,22 @@ truth: Two bodies meet when some triangle of one meets some triangle of the othe
 contained: A body wholly inside another meets it not by surface. If the configuration records such pairs, hits on them
     are counted apart, neither right nor wrong; with containment = "meet" they belong to the truth.
 true positive (TP): A hit on a pair that truly meets.
-false positive (FP): A hit on a pair that does not meet: invented.
+false positive (FP): A hit on a pair that does not meet.
 false negative (FN): A pair that meets and is not reported: missed.
 error: (FP + FN) / (TP + FP + FN) over all pairs and steps; 0 when the denominator is 0. True negatives are left out
     on purpose: nearly all pairs are far apart and would make every method look perfect.
 precision, recall: TP / (TP + FP): how many hits are right. TP / (TP + FN): how many meeting pairs are found.
 Matthews: Matthews' correlation coefficient of reported and true, over all pairs: 1 is perfect, 0 is guessing.
 time: One thread, a monotonic clock around an algorithm's own work for one step: what depends on one body, then all
-    pairs. The fastest of the repeats. Times compare within one machine and build only.
+    pairs. The fastest of the repeats. Times compare within one machine and build only. From, to: a 95 % interval of the
+    mean, by a block bootstrap over steps.
+as fast as: The 95 % interval of the ratio of two mean times, from the same steps, holds 1 or lies within the noise floor,
+    which is the interval of a label with itself, timed twice.
+set-up and memory: What a method makes once for the bodies of a run, no part of its time per step; the heap that it holds
+    then, and the most at any time.
 operations: The elementary tests an algorithm really made, its cheap rejections and its prefilter's included: a cost
     that is the same on every machine.
-promise: conservative: never misses a pair that truly meets; exact: neither misses nor invents; none. A miss that
+promise: conservative: never misses a pair that truly meets; exact: neither misses nor reports falsely; none. A miss that
     vanishes when boxes and radii grow by 2^-40 of their size is rounding and breaks nothing.
 scope: A pairwise method visits every pair; a whole-scene method has a broad phase of its own and is drawn hollow.
 Pareto front: The labels for which no other is at most as costly and at most as wrong, and better in one of the two.
@@ -58,6 +70,12 @@ def report(runs):
     titles = " / ".join(dict.fromkeys(pareto.title(run) for run in runs))
     found = pareto.scenes(runs)
     return page(f"Collision benchmark: {titles}", lead(runs, found), warnings(runs, found), sections(runs, found))
+
+
+def sweep_report(table):
+    """The HTML of a report on a sweep, the frame of load_sweep; the same files give the same bytes."""
+    title = f"Collision benchmark: {table.attrs['title']}"
+    return page(title, sweep_figures.lead(table), sweep_figures.warnings(table), [*sweep_figures.sections(table), definitions()])
 
 
 def sections(runs, found):
@@ -90,8 +108,8 @@ def lead(runs, found):
     labels, lines = len(tests), []
     if labels or not any(map(is_study, runs)):
         lines.append(
-            f"How often {counted(labels, 'collision test')} between triangle meshes err"
-            f"{'s' * (labels == 1)}, judged by exact answers, and what {'they cost' if labels != 1 else 'it costs'}."
+            f"How often {counted(labels, 'collision test')} between triangle meshes {verb(labels, 'errs', 'err')}, judged by"
+            f" exact answers, and what {verb(labels, 'it costs', 'they cost')}."
         )
     if any(map(is_study, runs)):
         lines.append(
@@ -152,6 +170,7 @@ def warnings(runs, found):
                 " errors against time and operations, count them as reporting nothing."
                 for label, count in lost[lost > 0].items()
             ]
+        lines += [f"{name}: {line}" for line in doubtful_times(run)]
         if "promise_kept" in run.summary:
             broken = list(run.summary.index[~run.summary.promise_kept])
             if broken:
@@ -166,6 +185,24 @@ def warnings(runs, found):
                 f"{scene.title}: timed on {len(machines)} different machines or builds ({'; '.join(machines)}). Their"
                 " times are drawn apart; errors and operations compare. “pipeline detect FILE --force” times them anew."
             )
+    return lines
+
+
+def doubtful_times(run):
+    """What makes mean times of a run doubtful; one line each."""
+    table, lines = run.summary, []
+    if {"time_mean_ns", "time_p95_ns"} <= set(table):
+        few = list(table.index[table.time_mean_ns > table.time_p95_ns])
+        if few:
+            lines.append(f"the mean time of {listed(few)} lies above its 95th percentile: a few steps, or a disturbance, take"
+                         " most of it; the median tells more.")  # fmt: skip
+    if "processor_mean_ns" in table:
+        share = table.time_mean_ns / table.processor_mean_ns - 1
+        late = share[share > DISTURBED]
+        if len(late):
+            each = listed(f"{label} by {100 * value:.2g} %" for label, value in late.items())
+            lines.append(f"the run was disturbed: wall time is above the processor's own, of {each}; time again on an idle"
+                         " machine.")  # fmt: skip
     return lines
 
 
@@ -202,6 +239,7 @@ def error_against_cost(runs, found):
             if others:
                 apart = f"Other machines or builds timed {len(others)} more labels; they have a figure of their own."
             parts.append(plots_error.against(scene, mine, "time_mean_ns", f"error-time-{index}-{place}", apart))
+            parts += filter(None, [plots_error.costs(scene, mine, f"costs-{index}-{place}")])
         parts.append(plots_error.against(scene, scene.points, "operations", f"error-operations-{index}"))
         parts.append(plots_error.kinds(scene, f"error-kinds-{index}"))
     return Section("Error against time", parts)
@@ -213,12 +251,14 @@ def summary(runs, found):
         points = scene.points
         frame = pd.DataFrame({"algorithm": points.label})
         for column, head in SUMMARY.items():
-            if column in points:
-                frame[head] = points[column] / 1e3 if column.endswith("_ns") else points[column]
+            if column in points and points[column].notna().any():
+                unit = 1e3 if column.endswith("_ns") else 1024 if column.endswith("_bytes") else 1
+                frame[head] = points[column] if unit == 1 else points[column] / unit
                 if column in ("false_positive", "false_negative", "contained_hit", "hits"):
                     frame[head] = frame[head].astype("Int64")
         frame["promise"] = [_promise(point) for point in points.itertuples()]
-        frame["on the front"] = pareto.front(
+        timed_here = points.time_mean_ns.notna() & points.error.notna()
+        frame["on the front"] = timed_here & pareto.front(
             points.time_mean_ns.fillna(float("inf")), points.error.fillna(float("inf"))
         )
         machines = {machine: chr(ord("A") + number) for number, machine in enumerate(dict.fromkeys(points.machine))}

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-LIBRARY = "fcl_"  # names of algorithms that are another library's
+from analysis.tables import intervals
+from analysis.tables.intervals import Interval
 
 
 @dataclass(frozen=True)
@@ -15,7 +16,8 @@ class Scene:
     """Results that ask the same question: motion and truth are the same bit for bit, so errors compare.
 
     points: one row per label: label (unique), algorithm, file, knobs (dict), scope, promise, unit (of operations),
-    exact and library (bool), machine (host, processor and build as one text: times compare only within one), error,
+    exact and library (bool), machine (host, processor and build as one text: times compare only within one), times
+    (per step, ns; empty when the file has none), floor (an Interval or None: the noise floor of its file), error,
     hits, true_positive, ..., time_mean_ns, time_median_ns, time_p95_ns, operations (per step), promise_kept.
     """
 
@@ -72,8 +74,10 @@ def _points(runs):
                     "promise": answers.get("promise", "none"),
                     "unit": answers.get("operations_unit", ""),
                     "exact": answers.get("promise") == "exact",
-                    "library": answers.get("name", label).startswith(LIBRARY),
+                    "library": bool(answers.get("library")),
                     "machine": machine(answers),
+                    "times": run.step_times.get(label, np.zeros(0)),
+                    "floor": run.noise,
                 }
                 | row.to_dict()
                 | {"operations": row["operations"] / max(run.meta["steps"], 1)}
@@ -84,6 +88,25 @@ def _points(runs):
     again = table.duplicated("label", keep=False)  # the same file twice on different machines
     table.loc[again, "label"] = table.label[again] + " #" + (table[again].groupby("label").cumcount() + 1).astype(str)
     return table
+
+
+def compared(one, other):
+    """The mean time of the row `one` of points over that of `other`, from the same steps, with its interval."""
+    if len(one["times"]) != len(other["times"]) or not len(one["times"]):
+        return Interval(one["time_mean_ns"] / other["time_mean_ns"])
+    return intervals.ratio(one["times"], other["times"])
+
+
+def alike(one, other):
+    """Whether the row `one` of points is as fast as `other`: no difference of their times can be told."""
+    if one["machine"] != other["machine"]:
+        return False
+    return intervals.alike(compared(one, other), widest(one["floor"], other["floor"]))
+
+
+def widest(*floors):
+    known = [floor for floor in floors if floor is not None and floor.known]
+    return max(known, key=lambda floor: floor.high / floor.low, default=None)
 
 
 def front(cost, error):

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
+from analysis.tables import intervals
 from analysis.tables.thresholds import MIDDLE_M, PARALLEL, THIN
 
 TURN_EPSILON = 1e-6  # of matrices and quaternions; the turns of a playground are tens of degrees
@@ -39,17 +40,32 @@ class Playground:
 @dataclass(frozen=True)
 class Timed:
     """A run with dynamics. summary, per_step: as in Run; bodies: per step, how many are there; host: where it was
-    timed; twins: as of twins()."""
+    timed; twins: as of twins(); times: label -> time per step; noise: as in Run."""
 
     summary: pd.DataFrame
     per_step: pd.DataFrame
     bodies: np.ndarray
     host: str
     twins: dict = field(default_factory=dict)
+    times: dict = field(default_factory=dict)
+    noise: intervals.Interval | None = None
 
     @property
     def labels(self):
         return list(self.summary.index)
+
+    def ratio(self, one, other):
+        """The mean time of a label over another's, with its interval where times per step are known."""
+        mean = self.summary.time_mean_ns
+        if one not in self.times or other not in self.times:
+            return intervals.Interval(float(mean[one] / mean[other]))
+        return intervals.ratio(self.times[one], self.times[other])
+
+    def mean(self, label):
+        """The mean time of a label, likewise."""
+        if label not in self.times:
+            return intervals.Interval(float(self.summary.time_mean_ns[label]))
+        return intervals.mean(self.times[label])
 
 
 def kind(run):
@@ -62,7 +78,7 @@ def timed(run):
     there = (first[None, :] >= 0) & (first[None, :] <= np.arange(run.meta["steps"])[:, None])
     hosts = {(answers["host"], answers["processor"]) for answers in run.meta["answers"].values()}
     host = " ".join(hosts.pop()) if len(hosts) == 1 else ""  # "" when algorithms were timed on different machines
-    return Timed(run.summary, run.per_step, there.sum(axis=1), host, twins(run))
+    return Timed(run.summary, run.per_step, there.sum(axis=1), host, twins(run), run.step_times, run.noise)
 
 
 def twins(run):

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.tables import thresholds as t
+from analysis.tables import intervals, thresholds as t
 
 KEYS = {
     "G": "obb_sat",
@@ -57,6 +57,37 @@ class Statement:
 
 
 # Times and counts: the box and the falling scene.
+#
+# Of two times one is above the other when their ratio says so beyond its interval and the noise floor; where it does
+# not, they are as fast as each other and decide nothing. A ratio that shall be in a range is in it by its value; outside
+# of it decides only what is outside with its whole interval. Where times per step are not known, values alone decide.
+
+
+def above(ratio, floor=None):
+    """1 for a ratio above 1, -1 for one below, 0 where no difference can be told."""
+    return 0 if intervals.alike(ratio, floor) else int(np.sign(ratio.value - 1))
+
+
+def ordered(ratios, what):
+    """Whether all of `ratios`, (name, Interval, noise floor or None), are above 1. Raises NotTestable when none is below
+    but not all can be told."""
+    signs = [above(ratio, floor) for _, ratio, floor in ratios]
+    unsure = [(name, ratio) for (name, ratio, _), sign in zip(ratios, signs) if sign == 0 and ratio.known]
+    if min(signs) >= 0 and unsure:
+        name, ratio = unsure[0]
+        raise NotTestable(f"{what}: {name} differ by a factor of {ratio.low:.3g} to {ratio.high:.3g}, no difference")
+    return min(signs) > 0
+
+
+def ranged(ratios):
+    """Whether all of `ratios`, (name, Interval, low, high), are in their ranges. Raises NotTestable when none is wholly
+    outside but not all are in."""
+    outside = [(name, ratio, low, high) for name, ratio, low, high in ratios if not low <= ratio.value <= high]
+    unsure = [(name, ratio) for name, ratio, low, high in outside if ratio.low <= high and low <= ratio.high]
+    if unsure and len(unsure) == len(outside):
+        name, ratio = unsure[0]
+        raise NotTestable(f"{name} is {ratio.low:.3g} to {ratio.high:.3g}, which does not decide")
+    return not outside
 
 
 def mean_order(order):
@@ -66,7 +97,9 @@ def mean_order(order):
         mean = scene.summary.time_mean_ns[list(labels)].to_numpy()
         found = [order[i] for i in np.argsort(mean, kind="stable")]
         figures = {"found": " < ".join(found), "misplaced": sum(a != b for a, b in zip(found, order))}
-        return bool((np.diff(mean) > 0).all()), figures
+        pairs = list(zip(labels, labels[1:]))
+        ratios = [(f"{below} and {slower}", scene.ratio(slower, below), scene.noise) for below, slower in pairs]
+        return ordered(ratios, "as fast as each other"), figures
 
     return judge
 
@@ -74,40 +107,42 @@ def mean_order(order):
 def groups(box, falling, *labels):
     """Every mean of {G,H,J} below every one of {O,L}, those below {P,I,U}, those below K; in both scenes."""
     sizes = np.cumsum([0, 3, 2, 3, 1])
-    holds, figures = True, {}
+    ratios, figures = [], {}
     for name, scene in (("box", box), ("falling", falling)):
-        mean = scene.summary.time_mean_ns[list(labels)].to_numpy()
+        mean = scene.summary.time_mean_ns[list(labels)]
         parts = [mean[a:b] for a, b in zip(sizes, sizes[1:])]
-        steps = [float(above.min() / below.max()) for below, above in zip(parts, parts[1:])]
-        figures |= {f"{name} step {i + 1}": ratio for i, ratio in enumerate(steps)}
-        holds &= min(steps) > 1
-    return holds, figures
+        for i, (below, slower) in enumerate(zip(parts, parts[1:])):
+            ends = slower.idxmin(), below.idxmax()
+            ratios.append((f"{ends[1]} and {ends[0]}", scene.ratio(*ends), scene.noise))
+            figures[f"{name} step {i + 1}"] = float(slower.min() / below.max())
+    return ordered(ratios, "as fast as each other"), figures
 
 
 def falling_above_box(box, falling, *labels):
     if not box.host or box.host != falling.host:
         raise NotTestable("the two scenes were timed on different machines")
     ratio = falling.summary.time_mean_ns[list(labels)] / box.summary.time_mean_ns[list(labels)]
-    return bool((ratio > 1).all()), {"least ratio": float(ratio.min()), "greatest ratio": float(ratio.max())}
+    figures = {"least ratio": float(ratio.min()), "greatest ratio": float(ratio.max())}
+    ratios = [(f"{label} in both", intervals.apart(falling.mean(label), box.mean(label)), None) for label in labels]
+    return ordered(ratios, "as fast in one scene as in the other"), figures
 
 
 def slowest_by_far(box, falling, slowest, *others):
     """K by the next slowest: 9 to 10 in the falling scene, 5 in the box scene, each within ABOUT."""
-    ratio = {}
-    for name, scene in (("box", box), ("falling", falling)):
-        mean = scene.summary.time_mean_ns
-        ratio[name] = float(mean[slowest] / mean[list(others)].max())
-    holds = abs(ratio["box"] / 5 - 1) <= t.ABOUT and 9 * (1 - t.ABOUT) <= ratio["falling"] <= 10 * (1 + t.ABOUT)
-    return holds, {f"{name} ratio": value for name, value in ratio.items()}
+    ratios = []
+    for name, scene, least, most in (("box", box, 5, 5), ("falling", falling, 9, 10)):
+        ratio = scene.ratio(slowest, scene.summary.time_mean_ns[list(others)].idxmax())
+        ratios.append((f"{name} ratio", ratio, least * (1 - t.ABOUT), most * (1 + t.ABOUT)))
+    return ranged(ratios), {name: ratio.value for name, ratio, _, _ in ratios}
 
 
 def alike_in_time(box, falling, one, other):
     """The slower at most 1 + WITHIN times the faster, in both scenes."""
-    figures = {}
-    for name, scene in (("box", box), ("falling", falling)):
-        mean = scene.summary.time_mean_ns[[one, other]]
-        figures[f"{name} ratio"] = float(mean.max() / mean.min())
-    return max(figures.values()) <= 1 + t.WITHIN, figures
+    ratios = [
+        (f"{name} ratio", scene.ratio(one, other), 1 / (1 + t.WITHIN), 1 + t.WITHIN)
+        for name, scene in (("box", box), ("falling", falling))
+    ]
+    return ranged(ratios), {name: max(ratio.value, 1 / ratio.value) for name, ratio, _, _ in ratios}
 
 
 def apart_from_hits(falling, *labels):
@@ -240,9 +275,9 @@ def exact_figures(play, label, names):
     """Exact: every touching pass begins and ends within EXACT_M of the truth, and no other pass is ever reported."""
     mine, touching = passes(play, label, names)
     worst = float(touching[["first", "last"]].abs().fillna(np.inf).to_numpy().max())
-    invented = int((mine.reported[mine.truth_first.isna()] > 0).sum())
-    figures = {"touching": len(touching), "worst m": worst, "invented passes": invented}
-    return worst <= t.EXACT_M and invented == 0, figures
+    falsely = int((mine.reported[mine.truth_first.isna()] > 0).sum())
+    figures = {"touching": len(touching), "worst m": worst, "false positives": falsely}
+    return worst <= t.EXACT_M and falsely == 0, figures
 
 
 def unturned_boxes(play):
@@ -476,7 +511,7 @@ STATEMENTS = [
 def as_published(scene, kind, labels):
     """`scene` with the mean times of the thesis's procedures under `labels`. Raises NotTestable where one is not in the
     file."""
-    mean = scene.summary.time_mean_ns.copy()
+    mean, times = scene.summary.time_mean_ns.copy(), dict(scene.times)
     for label in labels:
         if label in scene.twins:
             twin = scene.twins[label]
@@ -486,7 +521,9 @@ def as_published(scene, kind, labels):
                     "thesis's procedure; add a label with search = exhaustive"
                 )
             mean[label] = scene.summary.time_mean_ns[twin]
-    return replace(scene, summary=scene.summary.assign(time_mean_ns=mean))
+            if twin in times:
+                times[label] = times[twin]
+    return replace(scene, summary=scene.summary.assign(time_mean_ns=mean), times=times)
 
 
 def judged(statement, scenes, careful=False):

@@ -6,11 +6,11 @@ import pandas as pd
 # Of fits of an order.
 FLOOR = 1e-11  # errors below are rounding (relative or rad)
 COARSE = 0.1  # errors above are not asymptotic
-FITTED = 4  # the finest so many points
+FITTED = 4  # that many points, the finest
 
 # An energy error up to this is sound: of the problem's energy, or of a lossless cube's.
 SOUND = 0.01
-# Of the recommendation: more accurate is better up to so many times the evaluations of the cheapest.
+# Of the recommendation: more accurate is better up to that many times the evaluations of the cheapest.
 DEARER = 2
 
 PARAMETERS = [
@@ -65,11 +65,10 @@ def asymptotic(step, error):
 
 def slope(step, error):
     """Slope of log error over log step by least squares, and its standard error."""
-    x, y = np.log(step), np.log(error)
-    x = x - x.mean()
-    value = (x * y).sum() / (x * x).sum()
-    rest = y - y.mean() - value * x
-    return value, np.sqrt((rest * rest).sum() / max(len(x) - 2, 1) / (x * x).sum())
+    from scipy.stats import linregress  # slow to load, and most of what is here does without
+
+    fit = linregress(np.log(step), np.log(error))
+    return fit.slope, fit.stderr
 
 
 def varied(cases, names=PARAMETERS):

@@ -20,7 +20,7 @@ UNITS = {"stiffness": "Pa", "transition_velocity": "m/s", "dissipation": "s/m", 
          "greatest_step": "s", "speed": "m/s", "duration": "s", "thickness": "m", "inertia": "kg m²"}  # fmt: skip
 THRESHOLDS = (1e-3, 1e-6, 1e-9)
 BOUND = studies.SOUND  # of the problem's energy
-NEAR = 10.0  # stiffness at most so many times smaller or greater than the scenes' counts as near
+NEAR = 10.0  # stiffness at most that many times smaller or greater than the scenes' counts as near
 
 
 def setting(row):

@@ -6,14 +6,13 @@ for nothing; its Content-Security-Policy forbids that.
 """
 
 import base64
-import html
 import json
 import pathlib
 
 import numpy as np
 
 from analysis.load import load
-from analysis.output import refuse, say, write
+from analysis.output import refuse, say, templates, write
 
 HERE = pathlib.Path(__file__).parent
 THREE_JS = [
@@ -24,7 +23,7 @@ SCRIPTS = ("decode", "measure", "picture", "viewer")  # beside this file, in thi
 AROUND = 60  # steps shown on either side when no window is asked for: two seconds of the thesis's scenes in all
 USUAL_BYTES = 8 << 20  # such a window becomes shorter rather than larger than this
 MOST_BYTES = 64 << 20  # a window that is asked for is refused above: phones fail to open larger pages
-BIG = 4  # a fixed body so many times as large as the median moving one (plate, wall) is drawn see-through
+BIG = 4  # a fixed body that many times as large as the median moving one (plate, wall) is drawn see-through
 
 
 class Unfit(Exception):
@@ -281,25 +280,19 @@ def _base64(array):
 
 
 def _filled(data, title):
-    """The page: viewer.html with the title, the data, three.js and our scripts in place of its marks."""
+    """The page: viewer.html with the title, the data, three.js and our scripts."""
     for path in THREE_JS:
         if not path.is_file():
             raise Uninstalled(f"{path}: is missing; scripts/setup installs it (Debian's libjs-three)")
-    three = "\n".join(_script(path.read_text(encoding="utf-8")) for path in THREE_JS)
-    document = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    filled = {
-        "<!-- title -->": html.escape(title),
-        "<!-- data -->": f'<script type="application/json" id="data">{document}</script>',
-        "<!-- three -->": three,
-    } | {f"<!-- {name} -->": _script((HERE / f"{name}.js").read_text(encoding="utf-8")) for name in SCRIPTS}
-    page = (HERE / "viewer.html").read_text(encoding="utf-8")
-    for mark, text in filled.items():
-        before, after = page.split(mark)
-        page = before + text + after
-    return page
+    scripts = [*THREE_JS, *(HERE / f"{name}.js" for name in SCRIPTS)]
+    return templates(HERE).get_template("viewer.html").render(
+        title=title,
+        data=json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
+        scripts=[_script(path.read_text(encoding="utf-8")) for path in scripts],
+    )
 
 
 def _script(text):
     if "</script" in text.lower():
         raise Uninstalled("three.js: holds '</script', which would end the page's script; another version is needed")
-    return f"<script>{text}</script>"
+    return text

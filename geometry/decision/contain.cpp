@@ -253,15 +253,18 @@ Solid solid_of(const Mesh& mesh, double closed_within) {
 
 std::string open_text(const Solid& solid) {
   if (!solid.open_edge) return "it has no facet with three corners";
-  const auto text = [](double x) {
+  const auto text = [](double x, int digits = 17) {  // as many as there are, at most
     char buffer[32];
-    return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr);
+    const std::to_chars_result end =
+        digits < 17 ? std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, digits)
+                    : std::to_chars(buffer, buffer + sizeof buffer, x);
+    return std::string(buffer, end.ptr);
   };
   const auto point = [&](const Vec3& p) { return text(p.x()) + ", " + text(p.y()) + ", " + text(p.z()); };
   const OpenEdge& edge = *solid.open_edge;
   return "the edge from (" + point(edge.from) + ") to (" + point(edge.to) + ") belongs to " +
          std::to_string(edge.facets) + (edge.facets == 1 ? " facet" : " facets") +
-         (solid.width > 0 ? ", also with corners within " + text(solid.width) + " m taken as one"
+         (solid.width > 0 ? ", also with corners within " + text(solid.width, 3) + " m taken as one"
                           : ", corners being one where their coordinates are equal");
 }
 

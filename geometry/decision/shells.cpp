@@ -77,8 +77,7 @@ Shells shells_of(const Mesh& mesh, const Solid& solid) {
   if (out.shells == 1) return out;
   std::vector<Solid> solids(out.shells);
   for (std::uint32_t i = 0; i < out.shells; ++i) {
-    shells.mesh.push_back(i);
-    shells.fixed.push_back(0);
+    shells.add(std::to_string(i), i);
     solids[i].closed = true;
     solids[i].components = {0};
   }

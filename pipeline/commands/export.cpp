@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "pipeline/commands/command.hpp"
+#include "pipeline/commands/export_folder.hpp"
 #include "pipeline/result/output_file.hpp"
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/stages/truth.hpp"
@@ -116,45 +118,6 @@ std::vector<std::string> earlier(const ExportOptions& options, int folder) {
   return found;
 }
 
-/// Throws Error(kFile) for a folder that cannot be taken.
-void refuse_folder(const ExportOptions& options) {
-  std::error_code error;
-  const fs::file_status status = fs::status(options.folder, error);
-  const std::string place = options.folder.string();
-  if (!fs::exists(status)) return;
-  if (!fs::is_directory(status)) throw Error(kFile, place + ": is not a folder; choose another --vtk");
-  const bool empty = fs::is_empty(options.folder, error);
-  if (error) throw Error(kFile, place + ": cannot be read (" + error.message() + ")");
-  if (!empty && !options.force)
-    throw Error(kFile, place + ": is not empty; --force replaces an earlier export in it, or choose another --vtk");
-}
-
-/// What was written, taken away again unless `keep` is called.
-class Written {
- public:
-  explicit Written(const fs::path& path) : made_(path), folder_(open_folder(path)) {}
-  ~Written() {
-    for (const std::string& file : files_) remove_regular(folder(), file);
-  }
-  Written(const Written&) = delete;
-  Written& operator=(const Written&) = delete;
-
-  int folder() const { return folder_.number(); }
-  void file(const std::string& name, const std::string& text) {
-    put_file(folder(), name, {text});
-    files_.push_back(name);
-  }
-  void keep() {
-    files_.clear();
-    made_.keep();
-  }
-
- private:
-  MadeFolders made_;
-  Descriptor folder_;
-  std::vector<std::string> files_;
-};
-
 /// For use in names of XML, where a label of another program's file may hold anything.
 std::string escaped(const std::string& text) {
   std::string out;
@@ -245,7 +208,7 @@ std::string vtp(const Result& result, std::size_t step) {
 }
 
 std::uint64_t export_bytes(const Result& result, const ExportOptions& options) {
-  refuse_folder(options);
+  refuse_folder(options.folder, options.force, "--vtk");
   std::uint64_t sum = 0, most = 0;
   std::size_t largest = options.steps.first;
   for (std::size_t step = options.steps.first; step < options.steps.last; ++step) {
@@ -265,11 +228,11 @@ std::uint64_t export_bytes(const Result& result, const ExportOptions& options) {
 }
 
 fs::path write_vtk(const Result& result, const ExportOptions& options) {
-  refuse_folder(options);
+  refuse_folder(options.folder, options.force, "--vtk");
   const fs::path path = options.folder / (options.name + ".pvd");
   fs::path place = options.folder;
   try {
-    Written written(options.folder);
+    ExportFolder written(options.folder);
     OutputFile index_file(path, Existing::replace);  // two exports of one name do not mix
     for (const std::string& name : earlier(options, written.folder())) {
       place = options.folder / name;
@@ -296,6 +259,35 @@ fs::path write_vtk(const Result& result, const ExportOptions& options) {
     throw Error(kFile, place.string() + ": " + failure.what() + "; free or allow the place, or choose another --vtk");
   }
   return path;
+}
+
+void add_export(CLI::App& program, int& code) {
+  struct Options : ExportOptions {
+    std::string file, steps_text = ":", folder_text;
+    bool unsealed = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App& command = *program.add_subcommand("export", "Write steps as VTP files that ParaView opens");
+  add_file(command, o->file);
+  command.add_option("--vtk", o->folder_text, "Folder for the files and their .pvd index")
+      ->option_text("DIR")
+      ->required()
+      ->check(must_name("a folder"));
+  add_steps(command, o->steps_text);
+  command.add_flag("--force", o->force, "Replace an earlier export in the folder");
+  command.add_flag("--quiet", o->quiet, "No progress on stderr; the index's path is printed alone");
+  add_unsealed(command, o->unsealed);
+  command.callback([o, &code] {
+    stop_on_signals();
+    const Result result = whole_result(o->file, o->unsealed);
+    o->folder = o->folder_text;
+    o->name = export_name(o->file);
+    o->steps = step_range(o->steps_text, result.steps(), o->file);
+    const std::uint64_t mebibytes = (export_bytes(result, *o) >> 20) + 1;
+    if (!o->quiet) put(std::to_string(o->steps.size()) + " steps, about " + std::to_string(mebibytes) + " MiB\n");
+    put(write_vtk(result, *o).string() + "\n");
+    code = kDone;
+  });
 }
 
 }  // namespace pipeline

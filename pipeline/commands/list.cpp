@@ -1,9 +1,11 @@
 #include "pipeline/commands/list.hpp"
 
+#include <CLI/App.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "algorithms/contract/algorithm.hpp"
+#include "pipeline/commands/command.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/study/problem.hpp"
 #include "pipeline/terminal/print.hpp"
@@ -52,7 +54,7 @@ constexpr NamedText kShapes[] = {
     {"torus_knot", "radius, tube, radial_segments (32), tubular_segments (32), p (2), q (3): axis z"},
 };
 
-std::vector<NamedText> named(const std::string& what) {
+std::vector<NamedText> rows_of(const std::string& what) {
   if (what == "shapes") return {std::begin(kShapes), std::end(kShapes)};
   std::vector<NamedText> rows;
   if (what == "scenes")
@@ -63,57 +65,88 @@ std::vector<NamedText> named(const std::string& what) {
     for (const IntegratorFacts& facts : integrators()) rows.push_back({facts.name, facts.what});
   return rows;
 }
+
+std::string algorithm_text(const algorithms::Algorithm& row) {
+  std::string text = row.name + (row.thesis_key.empty() ? "" : " (" + row.thesis_key + ")") + ": " + row.what + "\n";
+  text += "    promise " + std::string(algorithms::text(row.promise)) + ", scope " +
+          std::string(algorithms::text(row.scope)) + ", operations are " + row.operations_unit + "\n";
+  if (!row.library.version.empty()) text += "    of the library " + row.library.name + " " + row.library.version + "\n";
+  for (const algorithms::Knob& knob : row.knobs) {
+    text += "    " + knob.name + " = " + value_text(knob.preset) + (knob.unit == "1" ? "" : " " + knob.unit);
+    const std::string range = range_text(knob);
+    text +=
+        std::string("  (") + type_name(knob.preset) + (range.empty() ? "" : ": " + range) + ")  " + knob.what + "\n";
+  }
+  return text;
+}
+
+Json algorithm_json(const algorithms::Algorithm& row) {
+  Json knobs = Json::array();
+  for (const algorithms::Knob& knob : row.knobs) {
+    Json entry = {{"name", knob.name},
+                  {"type", type_name(knob.preset)},
+                  {"preset", value_json(knob.preset)},
+                  {"unit", knob.unit},
+                  {"what", knob.what}};
+    if (std::isfinite(knob.least)) entry["least"] = knob.least;
+    if (std::isfinite(knob.most)) entry["most"] = knob.most;
+    if (!knob.choices.empty()) entry["choices"] = knob.choices;
+    if (!knob.rule.empty()) entry["rule"] = knob.rule;
+    knobs.push_back(entry);
+  }
+  const algorithms::Library& library = row.library;
+  return {{"name", row.name},
+          {"thesis_key", row.thesis_key},
+          {"what", row.what},
+          {"promise", algorithms::text(row.promise)},
+          {"scope", algorithms::text(row.scope)},
+          {"operations_unit", row.operations_unit},
+          {"library", library.name.empty() ? Json() : Json{{"name", library.name}, {"version", library.version}}},
+          {"knobs", knobs}};
+}
 }  // namespace
 
 std::string list_text(const std::string& what) {
   std::string text;
   if (what != "algorithms") {
-    for (const NamedText& row : named(what)) text += print("%-20s %s", row.name, row.what) + "\n";
+    for (const NamedText& row : rows_of(what)) text += print("%-20s %s", row.name, row.what) + "\n";
     return text;
   }
-  for (const algorithms::Algorithm& row : algorithms::all()) {
-    text += row.name + (row.thesis_key.empty() ? "" : " (" + row.thesis_key + ")") + ": " + row.what + "\n";
-    text += "    promise " + std::string(algorithms::text(row.promise)) + ", scope " +
-            std::string(algorithms::text(row.scope)) + ", operations are " + row.operations_unit + "\n";
-    for (const algorithms::Knob& knob : row.knobs) {
-      text += "    " + knob.name + " = " + value_text(knob.preset) + (knob.unit == "1" ? "" : " " + knob.unit);
-      const std::string range = range_text(knob);
-      text +=
-          std::string("  (") + type_name(knob.preset) + (range.empty() ? "" : ": " + range) + ")  " + knob.what + "\n";
-    }
-  }
+  for (const algorithms::Algorithm& row : algorithms::all()) text += algorithm_text(row);
+  for (const algorithms::Algorithm& row : algorithms::missing())
+    text += algorithm_text(row) + "    not in this build: it needs " + algorithms::remedy(row) + "\n";
   return text;
 }
 
 std::string list_json(const std::string& what) {
   Json json = Json::array();
   if (what != "algorithms") {
-    for (const NamedText& row : named(what)) json.push_back({{"name", row.name}, {"what", row.what}});
+    for (const NamedText& row : rows_of(what)) json.push_back({{"name", row.name}, {"what", row.what}});
     return dumped(json);
   }
-  for (const algorithms::Algorithm& row : algorithms::all()) {
-    Json knobs = Json::array();
-    for (const algorithms::Knob& knob : row.knobs) {
-      Json entry = {{"name", knob.name},
-                    {"type", type_name(knob.preset)},
-                    {"preset", value_json(knob.preset)},
-                    {"unit", knob.unit},
-                    {"what", knob.what}};
-      if (std::isfinite(knob.least)) entry["least"] = knob.least;
-      if (std::isfinite(knob.most)) entry["most"] = knob.most;
-      if (!knob.choices.empty()) entry["choices"] = knob.choices;
-      if (!knob.rule.empty()) entry["rule"] = knob.rule;
-      knobs.push_back(entry);
-    }
-    json.push_back({{"name", row.name},
-                    {"thesis_key", row.thesis_key},
-                    {"what", row.what},
-                    {"promise", algorithms::text(row.promise)},
-                    {"scope", algorithms::text(row.scope)},
-                    {"operations_unit", row.operations_unit},
-                    {"knobs", knobs}});
+  for (const algorithms::Algorithm& row : algorithms::all()) json.push_back(algorithm_json(row));
+  for (const algorithms::Algorithm& row : algorithms::missing()) {
+    json.push_back(algorithm_json(row));
+    json.back()["missing"] = algorithms::remedy(row);
   }
   return dumped(json);
+}
+
+void add_list(CLI::App& program, int& code) {
+  struct Options {
+    std::string what;
+    bool json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App& command = *program.add_subcommand("list", "List what configurations can name");
+  command.add_option("WHAT", o->what, "algorithms, scenes, shapes, integrators or problems")
+      ->required()
+      ->check(CLI::IsMember({"algorithms", "scenes", "shapes", "integrators", "problems"}));
+  add_json(command, o->json);
+  command.callback([o, &code] {
+    put((o->json ? list_json : list_text)(o->what));
+    code = 0;
+  });
 }
 
 }  // namespace pipeline

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/commands/command.hpp"
 #include "pipeline/result/columns.hpp"
 #include "pipeline/result/output_file.hpp"
 #include "pipeline/result/product.hpp"
@@ -256,6 +257,38 @@ std::string score_json(const Score& score, const std::string& file, const std::s
         {{"label", time.label}, {"before", time.before}, {"now", time.now}, {"factor", time.now / time.before}});
   if (!score.times.empty()) json["beyond_tolerance"] = score.beyond_tolerance;
   return dumped(json);
+}
+
+void add_score(CLI::App& program, int& code) {
+  struct Options : ScoreOptions {
+    std::string file, baseline;
+    bool unsealed = false, json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App& command = *program.add_subcommand("score", "Compare a result with a recorded baseline, or record one");
+  add_file(command, o->file);
+  command.add_option("--against", o->baseline, "Baseline, a JSON file")->required();
+  command.add_flag("--write", o->write, "Record: make or replace the baseline");
+  CLI::Option* times = command.add_flag("--times", o->times, "Compare (or record) times too, as ratios within the run");
+  command.add_option("--tolerance", o->tolerance, "A time ratio changed by more than this factor is a difference")
+      ->option_text("FACTOR")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            double factor = 0;
+            const bool holds = CLI::detail::lexical_cast(text, factor) && factor >= 1 && factor <= 1e6;  // not nan
+            return holds ? std::string() : "must be a factor from 1 to 1000000, not " + text;
+          },
+          ""))
+      ->needs(times);
+  add_unsealed(command, o->unsealed);
+  add_json(command, o->json);
+  command.callback([o, &code] {
+    const Score scored = score(whole_result(o->file, o->unsealed), o->baseline, *o);
+    put(o->json ? score_json(scored, o->file, o->baseline) : score_text(scored, o->baseline));
+    code = o->write || scored.same() ? kDone : kFailed;
+    if (code == kFailed)
+      complain(o->file, "differs from " + o->baseline + "; if that is meant, record it with --write");
+  });
 }
 
 }  // namespace pipeline

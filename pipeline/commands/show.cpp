@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/commands/command.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/result/columns.hpp"
 #include "pipeline/result/product.hpp"
@@ -79,7 +80,8 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
                                   {"knobs", Json::parse(answers.knobs)},
                                   {"promise", answers.promise},
                                   {"scope", answers.scope},
-                                  {"operations_unit", answers.operations_unit}});
+                                  {"operations_unit", answers.operations_unit},
+                                  {"library", answers.library}});
     each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
       if constexpr (!is_optional<T>)
         json["algorithms"].back()[column.name] = row.*column.member;
@@ -179,6 +181,28 @@ std::string checkpoint_json(const CheckpointStatus& status, const std::string& p
                      {"truth_steps", status.truth_steps},
                      {"answered_steps", status.answered_steps}};
   return dumped(json);
+}
+
+void add_show(CLI::App& program, int& code) {
+  struct Options {
+    std::string file;
+    bool digests = false, unsealed = false, json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App& command = *program.add_subcommand("show", "Summary, provenance and digest of a result");
+  add_file(command, o->file, "Result file, or the FILE.part of an unfinished run");
+  add_digests(command, o->digests);
+  add_unsealed(command, o->unsealed);
+  add_json(command, o->json);
+  command.callback([o, &code] {
+    if (std::filesystem::is_directory(o->file)) {
+      put((o->json ? checkpoint_json : checkpoint_text)(checkpoint_status(o->file), o->file));
+    } else {
+      const Result result = read_result(o->file, o->unsealed);
+      put(o->json ? result_json(result, o->file) : result_text(result, o->digests));
+    }
+    code = 0;
+  });
 }
 
 }  // namespace pipeline

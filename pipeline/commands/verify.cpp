@@ -9,6 +9,7 @@
 
 #include "geometry/decision/oracle.hpp"
 #include "geometry/random.hpp"
+#include "pipeline/commands/command.hpp"
 #include "pipeline/system/threads.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/print.hpp"
@@ -375,6 +376,41 @@ std::string verified_json(const Verified& verified, const Result& result, const 
                           {"truth", text_of(d->truth)},
                           {"oracle", text_of(d->oracle)}};
   return dumped(json);
+}
+
+void add_verify(CLI::App& program, int& code) {
+  struct Options {
+    std::string file, steps = ":";
+    std::uint64_t pairs = 10'000;
+    int threads = 0;
+    bool all = false, quiet = false, unsealed = false, json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App& command =
+      *program.add_subcommand("verify", "Recheck the truth of a result with an independent oracle in exact arithmetic");
+  add_file(command, o->file);
+  add_steps(command, o->steps);
+  CLI::Option* pairs =
+      command
+          .add_option("--pairs", o->pairs,
+                      "How many of the pairs whose boxes touch are drawn, always the same ones; without it 10000")
+          ->option_text("N")
+          ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 62));
+  command.add_flag("--all", o->all, "All pairs")->excludes(pairs);
+  add_threads(command, o->threads, "Threads, which change nothing but the time");
+  add_quiet(command, o->quiet);
+  add_unsealed(command, o->unsealed);
+  add_json(command, o->json);
+  command.callback([o, &code] {
+    stop_on_signals();
+    const Result result = whole_result(o->file, o->unsealed);
+    const StepRange steps = step_range(o->steps, result.steps(), o->file);
+    const Verified verified =
+        verify(result, steps, o->all ? std::nullopt : std::optional(o->pairs), thread_count(o->threads), o->quiet);
+    put(o->json ? verified_json(verified, result, o->file) : verified_text(verified, result));
+    code = verified.difference ? kFailed : kDone;
+    if (verified.difference) complain(o->file, difference_text(verified, result));
+  });
 }
 
 }  // namespace pipeline

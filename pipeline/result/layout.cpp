@@ -176,6 +176,7 @@ Group answers(const Answers& answers, const Sizes& n) {
                {"date", answers.machine.date}},
               {},
               true};
+  if (!answers.library.empty()) group.attributes.push_back({"library", answers.library});
   add_pairs(group, answers.hits, "pairs of bodies that the algorithm reported", n);
   return group;
 }

@@ -65,10 +65,10 @@ OutputFile::Lock::~Lock() {
 /// Finds what stands there, and refuses what may not be replaced.
 void OutputFile::look() {
   before_ = standing(folder_.number(), name_);
+  if (before_ && !S_ISREG(before_->st_mode))  // first: --force would not help
+    throw Error(kFile, path_.string() + ": is not a regular file; choose another place");
   if (before_ && existing_ == Existing::refuse)
     throw Error(kFile, path_.string() + ": exists; --force replaces it, or choose another -o");
-  if (before_ && !S_ISREG(before_->st_mode))
-    throw Error(kFile, path_.string() + ": is not a regular file; choose another place");
 }
 
 void OutputFile::refuse_changed() const {

@@ -54,6 +54,7 @@ struct Machine {
 /// What one algorithm said: a group of /answers and a column of /results.
 struct Answers {
   std::string label, name, knobs, promise, thesis_key, operations_unit, scope;  // knobs: JSON
+  std::string library;  // name and version of somebody else's that answered; empty: none
   Machine machine;
   PairLists hits;
   // columns, S

@@ -301,6 +301,7 @@ std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::
     answers.thesis_key = text("thesis_key");
     answers.operations_unit = text("operations_unit");
     answers.scope = one_of(from, path, "scope", {"pair", "scene"});
+    if (from.has_attribute(path, "library")) answers.library = text("library");
     answers.machine = {text("host"), text("processor"), text("build"), text("date")};
     answers.hits = from.pairs(path, steps, bodies);
     all.push_back(std::move(answers));

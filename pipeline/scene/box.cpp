@@ -126,9 +126,7 @@ Scene make(const SceneConfig& config) {
   Scene scene;
   geometry::Bodies& bodies = scene.bodies;
   const auto add = [&](const std::string& name, std::uint32_t mesh, const RigidBody& rigid, const BodyState& state) {
-    bodies.name.push_back(name);
-    bodies.mesh.push_back(mesh);
-    bodies.fixed.push_back(rigid.fixed);
+    bodies.add(name, mesh, rigid.fixed);
     scene.rigid.push_back(rigid);
     scene.states.push_back(state);
   };

@@ -206,9 +206,7 @@ struct AllBodies {
     if (found < std::ptrdiff_t(bodies.name.size())) return std::uint32_t(found);
     const auto of = std::ranges::find(bodies.meshes, mesh, &Mesh::name) - bodies.meshes.begin();
     if (of == std::ptrdiff_t(bodies.meshes.size())) bodies.meshes.push_back(body_mesh(shape, mesh, scale));
-    bodies.name.push_back(name);
-    bodies.mesh.push_back(std::uint32_t(of));
-    bodies.fixed.push_back(0);
+    bodies.add(name, std::uint32_t(of));
     return std::uint32_t(found);
   }
 };

@@ -356,17 +356,14 @@ Scene make(const SceneConfig& config) {
   Scene scene;
   geometry::Bodies& bodies = scene.bodies;
   const Shapes shapes(playground);
-  bodies.mesh = shapes.of_body;
   std::vector<geometry::Pose> poses(1);
-  bodies.name.push_back("hero");
+  bodies.add("hero", shapes.of_body[0]);
   const double apart = spacing(playground);
   const std::size_t row = columns(playground);
   for (std::size_t o = 0; o < playground.obstacles.size(); ++o) {
-    bodies.name.push_back(playground.obstacles[o].name);
+    bodies.add(playground.obstacles[o].name, shapes.of_body[o + 1], true);
     poses.push_back({playground.obstacles[o].orientation, {apart * double(o % row), 0, apart * double(o / row)}});
   }
-  bodies.fixed.assign(bodies.size(), 1);
-  bodies.fixed[0] = 0;
   bodies.chosen.assign(bodies.size(), 0);
   bodies.chosen[0] = 1;
   // A mesh is named after the first body that has it.

@@ -41,8 +41,8 @@ struct CsvMotion {
   bool begins_with_half_turns = false;
 };
 
-/// `text` is the content of `file`, UTF-8 with or without byte order mark; lines end with LF, CR LF or CR; blank ones
-/// are skipped. Throws Error(kInput), one line "file:line: ...", for whatever breaks a rule above.
+/// `text` is the content of `file` (csv.hpp). Throws Error(kInput), one line "file:line: ...", for whatever breaks a
+/// rule above.
 CsvMotion parse_poses(std::string_view text, const std::string& file, const std::vector<CsvBody>& bodies);
 
 /// Poses of the first steps, S x B: unborn where a body has no row.

@@ -222,9 +222,7 @@ geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene) {
       }
       bodies.meshes.push_back(std::move(mesh));
     }
-    bodies.name.push_back(body.name);
-    bodies.mesh.push_back(at->second);
-    bodies.fixed.push_back(body.fixed);
+    bodies.add(body.name, at->second, body.fixed);
   }
   if (config.containment != Containment::ignore && !any_closed)
     throw Error(kInput, first_open->first.place + " of body '" + first_open->first.name +

@@ -156,6 +156,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     answers.thesis_key = row.thesis_key;
     answers.operations_unit = row.operations_unit;
     answers.scope = algorithms::text(row.scope);
+    if (!row.library.name.empty()) answers.library = row.library.name + " " + row.library.version;
     answers.machine = machine;
     all.push_back(std::move(answers));
   }

@@ -25,10 +25,8 @@ enum Failed : std::uint8_t { kWell = 0, kRefused = 1, kThrew = 2 };
 Bodies two_of(const Bodies& all, std::uint32_t first, std::uint32_t second) {
   Bodies out;
   for (const std::uint32_t body : {first, second}) {
-    out.mesh.push_back(std::uint32_t(out.meshes.size()));
+    out.add(all.name[body], std::uint32_t(out.meshes.size()));
     out.meshes.push_back(all.mesh_of(body));
-    out.name.push_back(all.name[body]);
-    out.fixed.push_back(0);
   }
   return out;
 }

@@ -30,8 +30,8 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   row.precision = ratio(tp, tp + fp);
   row.recall = ratio(tp, tp + fn);
   // The product of four counts overflows integers, not doubles; its root factor by factor keeps small cases exact.
-  row.matthews =
-      ratio(tp * tn - fp * fn, std::sqrt(tp + fp) * std::sqrt(tp + fn) * std::sqrt(tn + fp) * std::sqrt(tn + fn));
+  const double roots = std::sqrt(tp + fp) * std::sqrt(tp + fn) * std::sqrt(tn + fp) * std::sqrt(tn + fn);
+  row.matthews = std::clamp(ratio(tp * tn - fp * fn, roots), -1.0, 1.0);  // roots round; NaN stays
 
   std::vector<std::int64_t> times = answers.time_ns;
   std::sort(times.begin(), times.end());

@@ -116,17 +116,13 @@ std::string failure_of(const Child& child, int status, const rusage& used, const
   while (!said.empty() && said.back() == '\n') said.pop_back();
   said = one_line(said, kMostSaid);
   if (child.late) return "more than " + real_text(limits.wall_seconds) + " s of wall time";
-  if (WIFSIGNALED(status)) {
-    const int signal = WTERMSIG(status);
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
     // What it had, as it may have given itself less.
     const auto seconds = [](const timeval& time) { return double(time.tv_sec) + double(time.tv_usec) * 1e-6; };
-    if (signal == SIGXCPU)
-      return "more than " + real_text(std::round(seconds(used.ru_utime) + seconds(used.ru_stime))) +
-             " s of processor time";
-    return (signal == SIGABRT ? "aborted" : "crashed by signal " + std::to_string(signal)) +
-           (said.empty() ? "" : ": " + said);
+    return "more than " + real_text(std::round(seconds(used.ru_utime) + seconds(used.ru_stime))) +
+           " s of processor time";
   }
-  return "ended with code " + std::to_string(WEXITSTATUS(status)) + (said.empty() ? "" : ": " + said);
+  return ended_text(status) + (said.empty() ? "" : ": " + said);
 }
 
 /// The children of one call; whoever leaves it leaves none behind.
@@ -140,6 +136,14 @@ struct Children {
 };
 
 }  // namespace
+
+std::string ended_text(int status) {
+  if (!WIFSIGNALED(status)) return "ended with code " + std::to_string(WEXITSTATUS(status));
+  const int signal = WTERMSIG(status);
+  if (signal == SIGABRT) return "aborted";
+  if (signal == SIGKILL) return "was killed by signal 9, by hand or for want of memory";
+  return "crashed by signal " + std::to_string(signal);
+}
 
 void in_children(std::size_t count, int processes, const ChildLimits& limits,
                  const std::function<std::string(std::size_t)>& work,

@@ -12,6 +12,9 @@ struct ChildLimits {
   double wall_seconds = 600;      // without those for which the whole program was stopped (Ctrl-Z)
 };
 
+/// How a process ended: "aborted", "crashed by signal 11", "ended with code 1". `status` as waitpid gives it.
+std::string ended_text(int status);
+
 /// Jobs 0 to `count` - 1, each in a child process of its own, at most `processes` at a time. `work` runs in the child
 /// and gives bytes; `done` in this process, in the order in which jobs end, with the bytes, or with none and why:
 /// "aborted: what it said last on stderr", "crashed by signal 11", "more than 60 s of processor time", .... The child's

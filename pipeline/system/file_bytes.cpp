@@ -95,16 +95,21 @@ bool write_all(int file, std::string_view bytes) {
   return true;
 }
 
-std::string read_regular(int folder, const fs::path& path, bool follow_links, std::uint64_t most) {
+Descriptor open_regular(int folder, const fs::path& path, bool follow_links, struct stat& status) {
   // Asked by name first: opening a device may already do something. Asked again afterwards: names change.
-  struct stat status;
   if (fstatat(folder, path.c_str(), &status, follow_links ? 0 : AT_SYMLINK_NOFOLLOW) != 0)
     throw FileFailure("cannot be read", errno);
   refuse_irregular(status);
   const int flags = O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC | (follow_links ? 0 : O_NOFOLLOW);
-  const Descriptor file(openat(folder, path.c_str(), flags));
+  Descriptor file(openat(folder, path.c_str(), flags));
   if (!file || fstat(file.number(), &status) != 0) throw FileFailure("cannot be read", errno);
   refuse_irregular(status);
+  return file;
+}
+
+std::string read_regular(int folder, const fs::path& path, bool follow_links, std::uint64_t most) {
+  struct stat status;
+  const Descriptor file = open_regular(folder, path, follow_links, status);
   const auto too_long = [&](std::uint64_t size) {
     return FileFailure("has " + std::to_string(size) + " bytes; such a file has at most " + std::to_string(most));
   };

@@ -62,8 +62,12 @@ std::string hex(std::span<const unsigned char> bytes);
 /// Writes all; false, with errno set, when it cannot.
 bool write_all(int file, std::string_view bytes);
 
-/// The whole content of a regular file of at most `most` bytes. Anything else (a device, a pipe, a folder) is refused
-/// before a byte is read, and never waited for. Throws FileFailure.
+/// A regular file, open for reading, and its status. Anything else (a device, a pipe, a folder) is refused before it is
+/// opened, and never waited for. Throws FileFailure.
+Descriptor open_regular(int folder, const std::filesystem::path& path, bool follow_links, struct stat& status);
+
+/// The whole content of a regular file of at most `most` bytes. Throws FileFailure as open_regular, and for a longer
+/// one.
 std::string read_regular(int folder, const std::filesystem::path& path, bool follow_links = true,
                          std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 

@@ -3,40 +3,30 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
-
 #include "pipeline/terminal/error.hpp"
 
 namespace pipeline {
 
 using std::filesystem::path;
 
+namespace {
+
+Error refusal(const path& path, const FileFailure& failure, const std::string& remedy) {
+  return Error(kFile, path.string() + ": " + failure.what() + "; " + remedy);
+}
+
+}  // namespace
+
 InputFile::InputFile(const path& path, const std::string& remedy) : path_(path) {
-  const auto refuse = [&](const std::string& why) { return Error(kFile, path.string() + ": " + why + "; " + remedy); };
-  const auto cannot = [&] { return refuse(std::string("cannot be read (") + std::strerror(errno) + ")"); };
-  const auto check_kind = [&] {
-    if (S_ISDIR(status_.st_mode)) throw refuse("is a folder, not a file");
-    if (!S_ISREG(status_.st_mode)) throw refuse("is not a regular file");
-  };
-  // Before it is opened, as opening a device may do something; and again after, as it may be another file by then.
-  if (stat(path.c_str(), &status_) != 0) throw cannot();
-  check_kind();
-  descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-  if (descriptor_ < 0) throw cannot();
   try {
-    if (fstat(descriptor_, &status_) != 0) throw cannot();
-    check_kind();
-  } catch (...) {
-    close(descriptor_);  // a constructor that throws has no destructor
-    throw;
+    file_ = open_regular(AT_FDCWD, path, /*follow_links=*/true, status_);
+  } catch (const FileFailure& failure) {
+    throw refusal(path, failure, remedy);
   }
 }
 
-InputFile::~InputFile() { close(descriptor_); }
-
 path InputFile::opened_path() const {
-  const path link = "/proc/self/fd/" + std::to_string(descriptor_);
+  const path link = "/proc/self/fd/" + std::to_string(descriptor());
   return access(link.c_str(), R_OK) == 0 ? link : path_;  // a system without /proc
 }
 
@@ -52,21 +42,11 @@ bool InputFile::same_as(const InputFile& other) const {
 }
 
 std::string text_of_file(const path& path, std::uint64_t most, const std::string& remedy) {
-  const InputFile file(path, remedy);
-  const auto refuse = [&](const std::string& why) { return Error(kFile, path.string() + ": " + why + "; " + remedy); };
-  if (file.size() > most)
-    throw refuse("has " + std::to_string(file.size()) + " bytes, at most " + std::to_string(most) + " are possible");
-  std::string text(file.size(), '\0');
-  std::size_t filled = 0;
-  while (filled < text.size()) {
-    const ssize_t got = read(file.descriptor(), text.data() + filled, text.size() - filled);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw refuse(std::string("cannot be read (") + std::strerror(errno) + ")");
-    if (got == 0) break;  // shorter by now: its content is judged as any other
-    filled += static_cast<std::size_t>(got);
+  try {
+    return read_regular(AT_FDCWD, path, /*follow_links=*/true, most);
+  } catch (const FileFailure& failure) {
+    throw refusal(path, failure, remedy);
   }
-  text.resize(filled);
-  return text;
 }
 
 bool is_shallow(std::string_view json, int most) {

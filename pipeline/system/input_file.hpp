@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "pipeline/system/file_bytes.hpp"
+
 namespace pipeline {
 
 /// A regular file, open for reading until the end of this object.
@@ -16,11 +18,8 @@ class InputFile {
   /// Never waits, whatever stands at `path`. Throws Error(kFile) when it is missing, no regular file or unreadable;
   /// `remedy` ends the line.
   InputFile(const std::filesystem::path& path, const std::string& remedy);
-  ~InputFile();
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
 
-  int descriptor() const { return descriptor_; }
+  int descriptor() const { return file_.number(); }
   std::uint64_t size() const { return static_cast<std::uint64_t>(status_.st_size); }
   /// A path by which libraries open this very file, whatever stands at its own path by now.
   std::filesystem::path opened_path() const;
@@ -31,7 +30,7 @@ class InputFile {
 
  private:
   std::filesystem::path path_;
-  int descriptor_ = -1;
+  Descriptor file_;
   struct stat status_ = {};
 };
 

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/terminal/words.hpp"
+
 namespace pipeline {
 
 std::string print(const char* format, ...) __attribute__((format(printf, 1, 2)));
@@ -15,9 +17,6 @@ std::string time_text(double ns);
 
 /// Four places; "-" for NaN.
 std::string share_text(double value);
-
-/// JSON with the control characters escaped that JSON allows as they are and terminals may obey: U+007F to U+009F.
-std::string with_controls_escaped(std::string json);
 
 /// Two blanks a level and a line end. Bytes that are no UTF-8 become the replacement character.
 template <class Json>

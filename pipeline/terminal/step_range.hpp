@@ -14,7 +14,7 @@ struct StepRange {
 /// when the range is empty or goes beyond the file.
 StepRange step_range(const std::string& text, std::uint64_t steps, const std::string& file);
 
-/// Throws Error(kUsage) when the text has not that form; before a file is read.
-void check_step_range(const std::string& text);
+/// What is wrong with the form of the text, "must be A:B, ..."; empty when nothing is. Before a file is read.
+std::string step_range_flaw(const std::string& text);
 
 }  // namespace pipeline

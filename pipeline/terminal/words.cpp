@@ -27,14 +27,29 @@ std::size_t character_length(std::string_view text) {
   return overlong || no_character ? 0 : length;
 }
 
+/// Whether a character that is there changes how those around it are shown: controls, which terminals obey, also those
+/// of one character (U+0080 to U+009F); marks that turn the direction of text, or are not seen at all, by which a name
+/// can look like another (Unicode Technical Report 36); separators of lines and paragraphs.
+bool is_control(unsigned code) {
+  const auto within = [&](unsigned first, unsigned last) { return first <= code && code <= last; };
+  return code < 0x20 || within(0x7F, 0x9F) || code == 0xAD || code == 0x61C || code == 0x180E ||
+         within(0x200B, 0x200F) || within(0x2028, 0x202E) || within(0x2060, 0x206F) || code == 0xFEFF ||
+         within(0xFFF9, 0xFFFB) || within(0xE0000, 0xE007F);
+}
+
+/// The code of a character in UTF-8.
+unsigned code_of(std::string_view character) {
+  unsigned code = static_cast<unsigned char>(character[0]);
+  if (character.size() > 1) code &= 0x7Fu >> character.size();
+  for (const char c : character.substr(1)) code = code << 6 | (static_cast<unsigned char>(c) & 0x3Fu);
+  return code;
+}
+
 /// The first character of `text`, which is taken off it; '?' for a control character or a byte that is no UTF-8.
 std::string_view taken_character(std::string_view& text) {
   const std::size_t length = character_length(text);
-  const auto lead = static_cast<unsigned char>(text[0]);
-  // U+0080 to U+009F are control characters too, and some terminals obey them.
-  const bool control =
-      lead < 0x20 || lead == 0x7F || (lead == 0xC2 && length == 2 && static_cast<unsigned char>(text[1]) < 0xA0);
-  const std::string_view character = length == 0 || control ? "?" : text.substr(0, length);
+  const std::string_view character =
+      length == 0 || is_control(code_of(text.substr(0, length))) ? "?" : text.substr(0, length);
   text.remove_prefix(std::max<std::size_t>(length, 1));
   return character;
 }
@@ -116,6 +131,22 @@ std::string visible(std::string_view text) {
     const bool line_end = text[0] == '\n';
     const std::string_view character = taken_character(text);
     out += line_end ? "\n" : character;
+  }
+  return out;
+}
+
+std::string with_controls_escaped(std::string_view json) {
+  std::string out;
+  while (!json.empty()) {
+    const std::string_view character = json.substr(0, std::max<std::size_t>(character_length(json), 1));
+    const unsigned code = code_of(character);
+    if (code == '\n' || !is_control(code))
+      out += character;
+    else if (code < 0x10000)
+      out += print("\\u%04x", code);
+    else
+      out += print("\\u%04x\\u%04x", 0xD7C0 + (code >> 10), 0xDC00 + (code & 0x3FF));
+    json.remove_prefix(character.size());
   }
   return out;
 }

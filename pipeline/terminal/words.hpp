@@ -41,13 +41,16 @@ std::string real_text(double value);
 /// `text` in double quotes with the escapes that TOML and JSON share. `text` must be UTF-8.
 std::string in_quotes(std::string_view text);
 
-/// `text` fit for one line of a message: control characters and invalid UTF-8 become '?', and of more than `most`
-/// characters the rest becomes "...".
+/// `text` fit for one line of a message: control characters, marks that turn or hide text and invalid UTF-8 become '?',
+/// and of more than `most` characters the rest becomes "...".
 std::string one_line(std::string_view text, std::size_t most = 60);
 
 /// `text` fit for a terminal: as one_line, but of any length, and line ends stay. Titles, hosts and reasons of files of
 /// others may hold sequences that move the cursor, set the window's title or worse.
 std::string visible(std::string_view text);
+
+/// JSON of which visible() changes nothing: control characters that JSON allows as they are become escapes.
+std::string with_controls_escaped(std::string_view json);
 
 /// A byte at which `text` cannot be TOML, or could harm its parser.
 struct Flaw {

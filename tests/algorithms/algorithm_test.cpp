@@ -65,8 +65,35 @@ TEST(Table, PromisesAreThoseOfTheDesign) {
 TEST(Table, MethodsWithABroadPhaseSaySo) {
   std::set<std::string> scene;
   for (const Algorithm& algorithm : all())
-    if (algorithm.scope == Scope::scene) scene.insert(algorithm.name);
-  EXPECT_EQ(scene, (std::set<std::string>{"cannon_sap", "exact", "exact_cold", "fcl_bvh"}));
+    if (algorithm.scope == Scope::scene && algorithm.library.name.empty()) scene.insert(algorithm.name);
+  EXPECT_EQ(scene, (std::set<std::string>{"cannon_sap", "exact", "exact_cold"}));
+}
+
+// Whatever this build found: a library's row is in one of the two tables, and says how to get what it needs.
+TEST(Table, RowsOfLibrariesAreThereOrSayWhatIsMissing) {
+  for (const Algorithm& row : all()) {
+    EXPECT_TRUE(row.make) << row.name;
+    EXPECT_EQ(row.library.name.empty(), row.library.version.empty()) << row.name;
+    EXPECT_EQ(find_missing(row.name), nullptr) << row.name;
+  }
+  for (const Algorithm& row : missing()) {
+    EXPECT_EQ(find(row.name), nullptr) << row.name;
+    EXPECT_EQ(find_missing(row.name), &row);
+    EXPECT_TRUE(row.library.version.empty()) << row.name;
+    EXPECT_NE(remedy(row).find(row.library.name), std::string::npos) << remedy(row);
+    EXPECT_NE(remedy(row).find("scripts/peers installs it (" + row.library.package), std::string::npos) << remedy(row);
+  }
+  EXPECT_TRUE(find("fcl_bvh") || find_missing("fcl_bvh"));
+}
+
+TEST(Table, WhoSamplesFacetsIsToldByKnobs) {
+  const Algorithm& triangles = *find("obb_triangles");
+  Knobs knobs = presets(triangles);
+  EXPECT_FALSE(samples_facets(triangles, knobs));
+  knobs["prefilter"] = std::string("facet_vectors");
+  EXPECT_TRUE(samples_facets(triangles, knobs));
+  EXPECT_TRUE(samples_facets(*find("facet_distance"), presets(*find("facet_distance"))));
+  EXPECT_FALSE(samples_facets(*find("exact"), presets(*find("exact"))));
 }
 
 TEST(Table, EveryPresetIsAllowed) {

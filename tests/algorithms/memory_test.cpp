@@ -49,9 +49,7 @@ Scene rows(const geometry::Mesh& one, const geometry::Mesh& other, int count, do
   scene.add(one, at(0, 0, 0));
   scene.add(other, at(apart, 0, 0));
   for (int i = 2; i < count; ++i) {
-    scene.bodies.name.push_back("more" + std::to_string(i));
-    scene.bodies.mesh.push_back(static_cast<std::uint32_t>(i % 2));
-    scene.bodies.fixed.push_back(0);
+    scene.bodies.add("more" + std::to_string(i), static_cast<std::uint32_t>(i % 2));
     scene.poses.push_back(at(apart * (i % 20), 2.5 * (i / 20), 0));
   }
   return scene;
@@ -89,7 +87,9 @@ TEST(Memory, OfEveryRowIsWhatItTakesOfSpheres) {
 
 TEST(Memory, OfEveryRowIsWhatItTakesOfOneFineMesh) {
   const Scene scene = rows(geometry::sphere("a", 1, 48), geometry::box("b", {1, 1, 1}), 2);
-  for (const std::string name : {"aabb", "exact", "exact_cold", "fcl_bvh", "facet_distance"}) expect_true(name, scene);
+  for (const std::string name : {"aabb", "exact", "exact_cold", "facet_distance"}) expect_true(name, scene);
+  for (const algorithms::Algorithm& row : algorithms::all())
+    if (!row.library.name.empty()) expect_true(row.name, scene);
 }
 
 // The knobs that decide how many points there are.

@@ -29,9 +29,7 @@ TEST(Unborn, CostLessThanHalfThePreparationOfTheBorn) {
   geometry::Bodies bodies;
   bodies.meshes.push_back(geometry::sphere("sphere", 1, 4));
   for (std::uint32_t body = 0; body < kBodies; ++body) {
-    bodies.name.push_back("sphere_" + std::to_string(body));
-    bodies.mesh.push_back(0);
-    bodies.fixed.push_back(0);
+    bodies.add("sphere_" + std::to_string(body), 0);
   }
   std::mt19937 random(1);
   std::vector<geometry::Pose> born, unborn(kBodies, geometry::unborn());

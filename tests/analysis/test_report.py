@@ -18,6 +18,7 @@ from conftest import ROOT, SCENES
 
 from analysis.figures import error as plots_error, labels, thesis as thesis_figures
 from analysis.tables import pareto
+from analysis.tables.intervals import Interval
 from analysis.report import report as report_module
 from analysis.__main__ import main
 from analysis.figures.figure import PALETTE, Figure, Section, Table, figure, style, svg_of
@@ -214,6 +215,14 @@ def test_the_front_is_what_nothing_dominates(seed):
             for j in range(len(cost))
         )
         assert found[i] != beaten, f"seed {seed}: {cost} {error}"
+
+
+def test_which_methods_are_of_a_library_is_told_by_the_file(result_file):
+    run = load(result_file)
+    label = run.meta["algorithms"][0]
+    run.meta["answers"][label]["library"] = "FCL 0.7.0"
+    told = pareto.scenes([run])[0].points
+    assert list(told.label[told.library]) == [label]
 
 
 def test_sweeps_join_labels_that_differ_in_one_number():
@@ -548,3 +557,36 @@ def test_the_ten_lines_of_the_page_draw_its_picture(result_file, tmp_path):
     for svg in (drawn, (ROOT / "analysis" / picture).read_text(encoding="utf-8")):
         for words in ("error = (FP + FN) / (TP + FP + FN)", *load(result_file).meta["algorithms"][:3]):
             assert f"<!-- {words} -->" in svg  # matplotlib names each text so
+
+
+# ---- what a time is worth
+
+
+def timed_points(*rows):
+    """label, error, mean (ns), noise -> points with times of 600 steps whose noise is each label's own."""
+    table = points([(label, error, float(mean)) for label, error, mean, _ in rows])
+    random = np.random.default_rng(3)
+    table["times"] = [mean * (1 + noise * random.uniform(-1, 1, 600)) for _, _, mean, noise in rows]
+    return table.assign(machine="m", floor=None)
+
+
+def test_the_title_says_as_fast_as_where_no_difference_can_be_told():
+    drawn = timed_points(("a", 0.5, 1000, 0.1), ("b", 0.4, 1001, 0.1), ("c", 0.2, 3000, 0.1), ("d", 0.9, 1002, 0.1))
+    title = plots_error.finding(drawn, "time_mean_ns")
+    assert title == ("c errs least, 0.2, at 3 µs; nothing faster errs less than 0.4 (b, 1 µs); the fastest, a at 1 µs,"
+                     " errs 0.5; b and d are as fast as a")  # fmt: skip
+
+
+def test_what_is_as_fast_is_not_called_faster():
+    drawn = timed_points(("a", 0.5, 1000, 0.1), ("b", 0.2, 1001, 0.1))
+    title = plots_error.finding(drawn, "time_mean_ns")
+    assert title == "b errs least, 0.2, at 1 µs and is as fast as a, 1 µs, which errs 0.5: no other is worth its cost here"
+    drawn = timed_points(("a", 0.5, 1000, 0.01), ("b", 0.2, 1020, 0.01))
+    assert "nothing faster errs less than 0.5 (a, 1 µs)" in plots_error.finding(drawn, "time_mean_ns")
+    drawn["floor"] = [Interval(1.0, 0.97, 1.01)] * 2
+    assert "as fast as a" in plots_error.finding(drawn, "time_mean_ns")
+
+
+def test_times_of_other_machines_are_never_as_fast():
+    drawn = timed_points(("a", 0.5, 1000, 0.1), ("b", 0.2, 1001, 0.1)).assign(machine=["m", "n"])
+    assert not pareto.alike(drawn.iloc[0], drawn.iloc[1])

@@ -11,6 +11,7 @@ from editing import edited
 from conftest import ROOT
 
 from analysis.load import load
+from analysis.tables.intervals import Interval
 from analysis.tables.scenes import Playground, Timed, _shape, playground, rotation
 from analysis.tables.statements import KEYS, STATEMENTS, judged, verdicts
 
@@ -294,6 +295,53 @@ def test_times_of_another_procedure_than_the_thesis_s_decide_nothing(number):
             assert "search" in found.verdict and found.figures == {}
         else:
             assert found.verdict == "confirmed", found.figures
+
+
+# The same with times per step: 600 steps, each label's own noise of `spread` about its mean.
+
+
+def noisy(mean, spread, noise=None, seed=7):
+    random = np.random.default_rng(seed)
+    scene = timed(mean)
+    times = {label: ns * (1 + spread * random.uniform(-1, 1, 600)) for label, ns in scene.summary.time_mean_ns.items()}
+    summary = scene.summary.assign(time_mean_ns={label: values.mean() for label, values in times.items()})
+    return Timed(summary, scene.per_step, scene.bodies, scene.host, times=times, noise=noise)
+
+
+NEAR = {key: 1000 * 1.05**place for place, key in enumerate(BOX)}  # each 5 % slower than the one before
+NOISE = {key: 1000 * 1.0001**place for place, key in enumerate(BOX)}
+
+
+def test_an_order_is_confirmed_beyond_the_intervals_of_its_ratios():
+    assert verdict(1, box=noisy(NEAR, 0.1)).verdict == "confirmed"
+    assert verdict(1, box=noisy(dict(zip(FALLING, NEAR.values())), 0.1)).verdict == "refuted"
+
+
+def test_times_that_do_not_differ_decide_nothing():
+    found = verdict(1, box=noisy(NOISE, 0.5))
+    assert found.verdict.startswith("not testable: as fast as each other: "), found.verdict
+    floor = Interval(1.0, 0.9, 1.02)  # a label with itself: up to 11 %
+    assert verdict(1, box=noisy(NEAR, 0.1, floor)).verdict.startswith("not testable: as fast as each other: ")
+
+
+def test_one_that_is_surely_out_of_order_refutes_whatever_else_does_not_differ():
+    assert verdict(1, box=noisy(NOISE | {"H": 2000.0}, 0.5)).verdict == "refuted"
+
+
+def test_a_ratio_near_a_limit_does_not_decide():
+    inside, near, outside = ({"K": 1000.0 * value} | {key: 1000.0 for key in "GHJLPOIU"} for value in (5.5, 6.01, 7.0))
+    falling = noisy({"K": 9500.0} | {key: 1000.0 for key in "GHJLPOIU"}, 0.01)
+    assert verdict(5, box=noisy(inside, 0.3), falling=falling).verdict == "confirmed"
+    assert "box ratio is " in verdict(5, box=noisy(near, 0.3), falling=falling).verdict
+    assert verdict(5, box=noisy(outside, 0.3), falling=falling).verdict == "refuted"
+    slow = noisy({"K": 15000.0} | {key: 1000.0 for key in "GHJLPOIU"}, 0.01)
+    assert verdict(5, box=noisy(near, 0.3), falling=slow).verdict == "refuted"  # the other is surely outside
+
+
+def test_two_scenes_are_as_fast_where_their_intervals_say_so():
+    assert verdict(4, box=noisy(NEAR, 0.1), falling=noisy(NEAR, 0.1, seed=8)).verdict.startswith("not testable: as fast in")
+    slower = {key: 1.2 * ns for key, ns in NEAR.items()}
+    assert verdict(4, box=noisy(NEAR, 0.1), falling=noisy(slower, 0.1, seed=8)).verdict == "confirmed"
 
 
 def test_few_bodies_tell_no_growth():

@@ -43,9 +43,7 @@ struct Frame {
   std::vector<PairRun> runs;
 
   void add(std::uint32_t mesh, bool fixed, const Pose& pose) {
-    bodies.name.push_back("body" + std::to_string(poses.size()));
-    bodies.mesh.push_back(mesh);
-    bodies.fixed.push_back(fixed);
+    bodies.add("body" + std::to_string(poses.size()), mesh, fixed);
     poses.push_back(pose);
   }
 };

@@ -226,6 +226,10 @@ void run(int argc, char** argv) {
     else
       file = argument;
   }
+  if (const algorithms::Algorithm* row = algorithms::find_missing(kMethods[kFcl])) {
+    std::fprintf(stderr, "exact_bench: skipped: %s needs %s\n", kMethods[kFcl], algorithms::remedy(*row).c_str());
+    return;
+  }
   const Result result = read_result(file);
   const std::size_t steps = result.steps(), landed = std::size_t(kLanded * result.rate);
   std::vector<std::pair<std::string, Window>> windows = {{"all", {0, steps}}, {"liveliest", liveliest(result)}};

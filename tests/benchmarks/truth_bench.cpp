@@ -38,9 +38,7 @@ struct Pile {
     const auto real = [&] { return static_cast<double>(static_cast<std::int64_t>(bits())) * 0x1p-63; };
     bodies.meshes = {sphere("sphere", 1, segments), box("plate", Vec3(1000, 1, 1000))};
     const auto add = [&](std::uint32_t mesh, bool fixed, const Pose& pose) {
-      bodies.name.push_back(std::to_string(bodies.size()));
-      bodies.mesh.push_back(mesh);
-      bodies.fixed.push_back(fixed);
+      bodies.add(std::to_string(bodies.size()), mesh, fixed);
       poses.push_back(pose);
     };
     const double step = 2 + gap;

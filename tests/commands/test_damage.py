@@ -236,9 +236,9 @@ def test_a_heap_that_the_library_loops_in_ends(tmp_path):
 def test_nothing_but_a_regular_file_is_opened(tmp_path):
     os.mkfifo(tmp_path / "fifo")
     for path in (tmp_path / "fifo", "/dev/zero"):
-        refused(str(path), "is not a regular file")
+        refused(str(path), "not a regular file")
         run = pipeline("score", BOX, "--against", path)
-        assert run.returncode == FILE and "is not a regular file" in one_line(run)
+        assert run.returncode == FILE and "not a regular file" in one_line(run)
     run = pipeline("score", BOX, "--against", tmp_path)
     assert run.returncode == FILE and "is a folder" in one_line(run)
 

@@ -2,7 +2,7 @@
 
 import h5py
 import pytest
-from program import ROOT, pipeline
+from program import ROOT, pipeline, skip_without
 
 EXAMPLE = ROOT / "configs" / "replay_example.toml"  # a hero flies into a hollow box and out again
 
@@ -38,6 +38,7 @@ def test_a_surface_answer_breaks_its_promise_where_containment_counts(tmp_path):
 
 
 def test_detect_answers_exactly_for_the_truth_of_the_file(tmp_path):
+    skip_without("fcl_bvh")
     path = tmp_path / "example.h5"
     assert run_example(path, "meet", "[{name='obb_sat', label='other'}]").returncode in (0, 1)
     run = pipeline("detect", path, "--algorithm", "exact", "--algorithm", "fcl_bvh")

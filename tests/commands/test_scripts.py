@@ -19,6 +19,8 @@ COMMANDS = sorted(
         if re.match(r"scripts/(python|analysis|report) [^|]*$", line) and "..." not in line
     }
 )
+SWEEP = """{"sweep": "%s", "title": "A sweep", "parameters": ["seed"], "points": [
+    {"name": "seed=1", "parameters": {"seed": 1}, "status": "failed", "reason": "so it is"}]}"""
 SMALLER = {"--step 499": "--step 9", "tests/baselines.py --write": f"{ROOT}/tests/baselines.py --help"}
 
 
@@ -62,6 +64,9 @@ def test_the_commands_of_readme_run_from_any_folder_whatever_python3_is_first(co
         else:  # a study
             few = ["--set", "every=97", "--set", "budget.force_evaluations=2000"]
             subprocess.run([pipeline, "run", config, "-o", result, *few], check=True, capture_output=True)
+    for name in re.findall(r"results/(\w+)(?= |$)", command):
+        (folder / "results" / name).mkdir()
+        (folder / "results" / name / "sweep.json").write_text(SWEEP % name)
     for long, short in SMALLER.items():
         command = command.replace(long, short)
     done = run(f"{ROOT}/{command}", folder, environment)
@@ -84,7 +89,7 @@ def test_without_a_fit_python3_it_is_said(tmp_path):
     assert done.returncode == FAILED and "scripts/setup installs them" in done.stderr
 
 
-@pytest.mark.parametrize("script", ["run", "setup", "report", "test", "bench", "arrows"])
+@pytest.mark.parametrize("script", ["run", "setup", "install", "peers", "report", "sweep", "test", "bench", "arrows"])
 def test_help_is_given_without_a_build_whatever_python3_is_first(script, tmp_path, elsewhere):
     shutil.copytree(ROOT / "scripts", tmp_path / "scripts")
     shutil.copytree(ROOT / "analysis", tmp_path / "analysis")

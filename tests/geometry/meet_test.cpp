@@ -86,9 +86,7 @@ struct Scene {
     bvhs = build_bvhs(bodies);
   }
   Scene& add(std::uint32_t mesh, const Pose& pose, bool fixed = false) {
-    bodies.name.push_back(std::to_string(bodies.size()));
-    bodies.mesh.push_back(mesh);
-    bodies.fixed.push_back(fixed);
+    bodies.add(std::to_string(bodies.size()), mesh, fixed);
     poses.push_back(pose);
     return *this;
   }

@@ -31,6 +31,33 @@ std::string error_in(const std::string& text, const std::vector<std::string>& se
   return error_of([&] { parse_config(text, "a/f.toml", sets); });
 }
 
+// With or without the library: an algorithm that is asked for by name is there or refused, one that is optional is
+// there or noted, and a recorded one that is missing keeps nobody from the result.
+TEST(Config, AlgorithmsOfLibrariesAreThereOrSaidToBeMissing) {
+  const std::string named = kScene + "[[algorithm]]\nname = \"aabb\"\n[[algorithm]]\nname = \"fcl_bvh\"\n";
+  const std::string optional = named + "optional = true\n";
+  if (const algorithms::Algorithm* row = algorithms::find_missing("fcl_bvh")) {
+    EXPECT_EQ(error_in(named),
+              "3 a/f.toml:6:8: 'algorithm.1.name' must be an algorithm of this build, not \"fcl_bvh\"; "
+              "it needs " +
+                  algorithms::remedy(*row));
+    const Config config = parse_config(optional, "a/f.toml", {});
+    EXPECT_EQ(config.algorithms.size(), 1u);
+    EXPECT_EQ(config.notes,
+              (std::vector<std::string>{"algorithm 'fcl_bvh' is left out: it needs " + algorithms::remedy(*row)}));
+    EXPECT_EQ(recorded_config(named, "f.h5").algorithms.size(), 1u);
+  } else {
+    EXPECT_EQ(parse_config(named, "a/f.toml", {}).algorithms.size(), 2u);
+    const Config config = parse_config(optional, "a/f.toml", {});
+    EXPECT_EQ(config.algorithms.size(), 2u);
+    EXPECT_TRUE(config.notes.empty());
+    EXPECT_EQ(config.effective.find("optional"), std::string::npos) << "what runs is decided";
+  }
+  EXPECT_EQ(error_in(named + "optional = 1\n"), "3 a/f.toml:7:12: 'algorithm.1.optional' must be true or false, not 1");
+  EXPECT_EQ(error_of([] { parse_algorithm("aabb:optional=true"); }),
+            "3 --algorithm aabb:optional=true: must be NAME[:knob=value,...][@LABEL], not with 'optional=true' in it");
+}
+
 /// A text and what its error says, from the place on.
 struct Refusal {
   std::string text;

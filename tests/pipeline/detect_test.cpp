@@ -20,9 +20,7 @@ struct Row {
   explicit Row(int steps) {
     bodies.meshes.push_back(geometry::sphere("sphere", 1, 8));
     for (const char* name : {"left", "middle", "right"}) {
-      bodies.name.push_back(name);
-      bodies.mesh.push_back(0);
-      bodies.fixed.push_back(0);
+      bodies.add(name, 0);
     }
     for (int s = 0; s < steps; ++s) {
       std::vector<Pose> step(3);

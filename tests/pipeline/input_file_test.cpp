@@ -26,7 +26,8 @@ TEST(Foreign, ReadsARegularFileUpToItsBound) {
   const TemporaryFolder folder;
   std::ofstream(folder / "a") << "content";
   EXPECT_EQ(text_of_file(folder / "a", 7, ""), "content");
-  EXPECT_EQ(refusal(folder / "a", 6), (folder / "a").string() + ": has 7 bytes, at most 6 are possible; name another");
+  EXPECT_EQ(refusal(folder / "a", 6),
+            (folder / "a").string() + ": has 7 bytes; such a file has at most 6; name another");
   std::filesystem::create_symlink("a", folder / "link");
   EXPECT_EQ(text_of_file(folder / "link", 7, ""), "content");
 }
@@ -47,9 +48,10 @@ TEST(Foreign, OpensNothingElse) {
   const TemporaryFolder folder;
   ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0600), 0);
   std::filesystem::create_symlink("fifo", folder / "link");
-  for (const std::filesystem::path& path : {folder / "fifo", folder / "link", std::filesystem::path("/dev/zero")})
-    EXPECT_EQ(refusal(path), path.string() + ": is not a regular file; name another");
-  EXPECT_EQ(refusal("/tmp"), "/tmp: is a folder, not a file; name another");
+  for (const std::filesystem::path& path : {folder / "fifo", folder / "link"})
+    EXPECT_EQ(refusal(path), path.string() + ": is a pipe, not a regular file; name another");
+  EXPECT_EQ(refusal("/dev/zero"), "/dev/zero: is a device, not a regular file; name another");
+  EXPECT_EQ(refusal("/tmp"), "/tmp: is a folder, not a regular file; name another");
   EXPECT_NE(refusal(folder / "none").find("No such file"), std::string::npos);
 }
 

@@ -144,7 +144,7 @@ TEST_F(Replay, AnOpenMeshIsNamedOnceWhereContainmentCounts) {
   const Config c = config(kScene + kHero + kWall + "[truth]\ncontainment = \"meet\"\n");
   ASSERT_EQ(c.notes.size(), 1u);
   EXPECT_NE(c.notes[0].find("hero.obj: the surface is open, the edge from (0, 0, 0) to (1, 0, 0) belongs to 1 facet, "
-                            "also with corners within 9.5367431640625e-07 m taken as one; it is used as it is, and "
+                            "also with corners within 9.54e-07 m taken as one; it is used as it is, and "
                             "nothing can be inside it"),
             std::string::npos)
       << c.notes[0];

@@ -27,9 +27,7 @@ Result crowd(std::size_t steps = 4, int count = 14, bool containment = false) {
   result.bodies.meshes = {geometry::box("cube", {1, 1, 1}), geometry::sphere("ball", 0.7, 2),
                           geometry::box("room", {4, 4, 4})};
   for (int i = 0; i < count; ++i) {
-    result.bodies.name.push_back("body" + std::to_string(i));
-    result.bodies.mesh.push_back(i == 0 && containment ? 2 : std::uint32_t(i % 2));
-    result.bodies.fixed.push_back(i % 5 == 0);
+    result.bodies.add("body" + std::to_string(i), i == 0 && containment ? 2 : std::uint32_t(i % 2), i % 5 == 0);
   }
   result.truth.containment = containment ? Containment::record : Containment::ignore;
   for (std::size_t s = 0; s < steps; ++s) {

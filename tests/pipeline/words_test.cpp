@@ -40,6 +40,21 @@ TEST(Words, OneLineHasNoControlCharacters) {
   EXPECT_EQ(one_line("ááá", 3), "ááá");
 }
 
+// U+202E turns the rest of the line around, U+200B is not seen, U+2028 ends a line, tags from U+E0000 on hide text.
+TEST(Words, MarksThatTurnOrHideTextAreControls) {
+  for (const char* mark : {"\u00AD", "\u061C", "\u200B", "\u200F", "\u2028", "\u202A", "\u202E", "\u2060", "\u2066",
+                           "\u2069", "\uFEFF", "\U000E0041"}) {
+    EXPECT_EQ(visible(std::string("a") + mark + "b\n"), "a?b\n") << mark;
+    EXPECT_EQ(one_line(std::string("a") + mark + "b"), "a?b") << mark;
+    const std::string json = dumped(nlohmann::json{{"title", mark}});
+    EXPECT_EQ(visible(json), json) << mark;
+    EXPECT_EQ(nlohmann::json::parse(json)["title"], mark);
+  }
+  for (const char* letter :
+       {"\u00AC", "\u00AE", "\u0627", "\u2010", "\u202F", "\u2070", "\u20AC", "\uFFFD", "\U0001F600", "\U000E0100"})
+    EXPECT_EQ(visible(letter), letter);
+}
+
 TEST(Words, WhatIsShownKeepsItsLinesAndNoControls) {
   EXPECT_EQ(visible("a\x1b]0;x\x07\nb\r\xC2\x9B"
                     "2J\xff\n"),

@@ -40,9 +40,7 @@ struct Scene {
   void add(Mesh mesh, const Pose& pose) {
     const auto number = static_cast<std::uint32_t>(bodies.meshes.size());
     mesh.name += std::to_string(number);
-    bodies.name.push_back("body" + std::to_string(number));
-    bodies.mesh.push_back(number);
-    bodies.fixed.push_back(0);
+    bodies.add("body" + std::to_string(number), number);
     bodies.meshes.push_back(std::move(mesh));
     poses.push_back(pose);
   }

@@ -35,10 +35,8 @@ struct Setting {
   std::vector<Pose> poses;
 
   Setting& add(const Mesh& mesh, const Pose& pose, bool fixed = false) {
-    bodies.name.push_back("body" + std::to_string(poses.size()));
-    bodies.mesh.push_back(static_cast<std::uint32_t>(bodies.meshes.size()));
+    bodies.add("body" + std::to_string(poses.size()), static_cast<std::uint32_t>(bodies.meshes.size()), fixed);
     bodies.meshes.push_back(mesh);
-    bodies.fixed.push_back(fixed);
     poses.push_back(pose);
     return *this;
   }

@@ -58,9 +58,7 @@ inline Result synthetic_result(std::uint64_t steps = 7, std::uint32_t bodies = 5
   // Not in order of their names: the order of meshes is kept.
   result.bodies.meshes = {geometry::sphere("sphere_16", 1, 16), geometry::box("plate", {60, 2, 60})};
   for (std::uint32_t body = 0; body < bodies; ++body) {
-    result.bodies.name.push_back(body == 0 ? "plate" : "sphere_" + std::to_string(body));
-    result.bodies.mesh.push_back(body == 0 ? 1 : 0);
-    result.bodies.fixed.push_back(body == 0);
+    result.bodies.add(body == 0 ? "plate" : "sphere_" + std::to_string(body), body == 0 ? 1 : 0, body == 0);
     result.first_step.push_back(body + 1 == bodies ? static_cast<std::int64_t>(steps / 2) : 0);
   }
   for (std::uint64_t s = 0; s < steps; ++s) {

@@ -1,0 +1,1 @@
+"""Sweeps: one configuration at many points, each a process and a result file; Snakemake schedules."""

@@ -1,0 +1,104 @@
+#include "pipeline/foreign/host.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <new>
+
+#include "pipeline/system/file_bytes.hpp"
+
+namespace pipeline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::nanoseconds;
+
+/// Reads so many bytes; false at the end of the file.
+bool read_all(int file, char* to, std::size_t size) {
+  while (size > 0) {
+    const ssize_t got = read(file, to, size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    to += got;
+    size -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+/// The method between two questions.
+class Host {
+ public:
+  Host(const std::function<Hosted()>& make, std::size_t bodies) : make_(make), bodies_(bodies) {}
+
+  std::string answer(std::string_view kind, std::string_view content) {
+    if (kind == "HELO") {
+      const auto start = Clock::now();
+      hosted_ = make_();
+      hosted_.about.setup_ns = nanoseconds(Clock::now() - start).count();
+      return frame("HELO", text_of(hosted_.about));
+    }
+    if (!hosted_.method) throw Fault("asked before the hello");
+    if (kind == "STEP" || kind == "OPER") return frame("HITS", content_of(hits(kind == "OPER", content)));
+    if (kind == "KEEP") {
+      hosted_.method->remember();
+    } else if (kind == "WIPE") {
+      hosted_.method->forget();
+    } else {
+      throw Fault("asked with an unknown frame " + std::string(kind));
+    }
+    return frame("DONE", "");
+  }
+
+ private:
+  Reply hits(bool counts, std::string_view content) {
+    const Question question = question_in(content, bodies_);
+    Reply out;
+    out.hits.reserve(most_hits_);
+    if (counts) {
+      hosted_.method->prepare(question.poses, question.enlarge);
+      out.operations = static_cast<double>(hosted_.method->count(question.runs, out.hits));
+    } else {
+      const auto start = Clock::now();
+      hosted_.method->prepare(question.poses, question.enlarge);
+      const auto prepared = Clock::now();
+      hosted_.method->answer(question.runs, out.hits);
+      const auto answered = Clock::now();
+      out.time_ns = static_cast<double>(nanoseconds(answered - start).count());
+      out.prepare_ns = static_cast<double>(nanoseconds(prepared - start).count());
+    }
+    most_hits_ = std::max(most_hits_, out.hits.size());
+    return out;
+  }
+
+  const std::function<Hosted()>& make_;
+  std::size_t bodies_, most_hits_ = 0;
+  Hosted hosted_;
+};
+
+}  // namespace
+
+void serve(const std::function<Hosted()>& make, std::size_t bodies, int in, int out) {
+  Host host(make, bodies);
+  std::string head(kFrameHead, '\0'), content;
+  while (read_all(in, head.data(), head.size())) {
+    std::uint32_t length = 0;
+    head.copy(reinterpret_cast<char*>(&length), sizeof length, 4);
+    content.resize(length);
+    if (!read_all(in, content.data(), length)) return;
+    std::string answer, failure;
+    try {
+      answer = host.answer(std::string_view(head).substr(0, 4), content);
+    } catch (const std::bad_alloc&) {
+      failure = "out of memory";
+    } catch (const std::exception& error) {
+      failure = error.what();
+    } catch (...) {
+      failure = "it threw what is no std::exception";
+    }
+    if (!failure.empty()) answer = frame("FAIL", std::string_view(failure).substr(0, kMostFailure));
+    if (!write_all(out, answer) || !failure.empty()) return;
+  }
+}
+
+}  // namespace pipeline
