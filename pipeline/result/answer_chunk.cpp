@@ -1,10 +1,53 @@
 #include "pipeline/result/answer_chunk.hpp"
 
+#include <algorithm>
+
 #include "pipeline/result/columns.hpp"
 
 namespace pipeline {
+namespace {
+
+/// What a method of others said of itself belongs to its answers: it may be asked no more when they are read again.
+void put_facts(const Answers& answers, std::int64_t first, std::int64_t last, ChunkWriter& out) {
+  out.put(std::vector<std::uint8_t>(answers.foreign ? 1 : 0));
+  if (!answers.foreign) return;
+  const ForeignFacts& f = *answers.foreign;
+  for (const std::string* text : {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope,
+                                  &f.transport, &f.command, &f.files, &f.version, &f.language, &f.precision, &f.reason})
+    out.put(*text);
+  out.put(std::vector<std::int64_t>{f.threads, std::clamp<std::int64_t>(f.steps_done - first, 0, last - first)});
+  out.put(std::vector<double>{f.waited});
+}
+
+void get_facts(ChunkReader& in, Answers& answers) {
+  if (in.get<std::uint8_t>().empty()) return;
+  ForeignFacts& f = answers.foreign.emplace();
+  for (std::string* text : {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope, &f.transport,
+                            &f.command, &f.files, &f.version, &f.language, &f.precision, &f.reason})
+    *text = in.text();
+  const auto whole = in.get<std::int64_t>(2);
+  const auto real = in.get<double>(1);
+  f.threads = whole[0];
+  f.steps_done = whole[1];
+  f.waited = real[0];
+}
+
+void append_facts(const Answers& more, Answers& answers) {
+  if (!more.foreign) return;
+  const ForeignFacts before = answers.foreign.value_or(ForeignFacts{});
+  answers.name = more.name;
+  answers.promise = more.promise;
+  answers.operations_unit = more.operations_unit;
+  answers.scope = more.scope;
+  answers.foreign = more.foreign;
+  answers.foreign->steps_done += before.steps_done;
+  if (!before.reason.empty()) answers.foreign->reason = before.reason;
+}
+
+}  // namespace
 
 void put_steps(const Answers& answers, std::int64_t first, std::int64_t last, ChunkWriter& out) {
+  put_facts(answers, first, last, out);
   PairLists hits;
   for (std::int64_t step = first; step < last; ++step) hits.append(answers.hits.at(std::size_t(step)));
   out.put(hits.offset);
@@ -18,16 +61,22 @@ void put_steps(const Answers& answers, std::int64_t first, std::int64_t last, Ch
   });
 }
 
-Answers get_steps(ChunkReader& in) {
+Answers get_steps(ChunkReader& in, std::int64_t steps, std::uint64_t bodies) {
   Answers answers;
+  get_facts(in, answers);
   answers.hits.offset = in.get<std::uint64_t>();
   answers.hits.pair = in.get<Pair>();
-  each_answer_column(
-      [&]<class T>(const Column<Answers, std::vector<T>>& column) { answers.*column.member = in.get<T>(); });
+  in.require(sound(answers.hits, std::uint64_t(steps), bodies));
+  each_answer_column([&]<class T>(const Column<Answers, std::vector<T>>& column) {
+    std::vector<T>& values = answers.*column.member;
+    values = in.get<T>();
+    in.require(values.size() == std::size_t(steps) || (column.optional && values.empty()));
+  });
   return answers;
 }
 
 void append_steps(const Answers& more, Answers& answers) {
+  append_facts(more, answers);
   answers.hits.append_steps(more.hits);
   each_answer_column([&](const auto& column) {
     const auto& values = more.*column.member;

@@ -34,7 +34,11 @@ inline constexpr Column<Answers, std::vector<std::int64_t>> kAnswerTimes[] = {
     {"time_ns", &Answers::time_ns, "ns", "fastest repeat of the step, preparation included"},
     {"time_median_ns", &Answers::time_median_ns, "ns", "median repeat of the step, preparation included"},
     {"prepare_ns", &Answers::prepare_ns, "ns",
-     "of the fastest repeat, what was made ready for all bodies before the first pair"}};
+     "part of the fastest repeat: what is made ready for all bodies before the first pair"},
+    {"exchange_ns", &Answers::exchange_ns, "ns",
+     "of the fastest repeat, wall time of question and answer of a method in a process of its own; 0: of no such "
+     "method",
+     /*optional=*/true}};
 inline constexpr Column<Answers, std::vector<std::uint64_t>> kAnswerCounts[] = {
     {"true_positive", &Answers::true_positive, "1", "pairs reported that truly meet"},
     {"false_positive", &Answers::false_positive, "1",

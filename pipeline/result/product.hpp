@@ -53,6 +53,10 @@ struct Product {
   /// Chunks of FILE.part that it alone has, one a case: their name. Others are part of motion, truth or answers.
   const char* chunks = nullptr;
 
+  // ---- list datasets ----
+  const char* when;         // what it takes that a result has it
+  void (*sample)(Result&);  // puts the least of it into a result of two steps and one algorithm; alone: into none
+
   // ---- run and detect ----
   /// Puts what follows from the rest of the result; called of every result that is not alone.
   void (*make)(Result&) = nullptr;

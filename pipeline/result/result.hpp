@@ -35,6 +35,9 @@ struct PairLists {
   }
 };
 
+/// Whether offsets and pairs are in order, those of `steps` steps with `bodies` bodies.
+bool sound(const PairLists& lists, std::uint64_t steps, std::uint64_t bodies);
+
 /// The pairs of `from` that are not among `these`; all sorted.
 std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these);
 
@@ -51,17 +54,34 @@ struct Machine {
   std::string host, processor, build, date;  // processor: and what changes its frequency, if something does
 };
 
+/// What is known of a method of others beside its answers.
+struct ForeignFacts {
+  std::string transport;                     // "program", "library", ...: how it was asked
+  std::string command;                       // of a program, its words
+  std::string files = "{}";                  // JSON object: file -> SHA-256, of what it is made of
+  std::string version, language, precision;  // by its own word
+  std::int64_t threads = 1;
+  std::string reason;           // why it failed; empty: it did not
+  std::int64_t steps_done = 0;  // steps that it answered before; of those after it nothing is known
+  double waited = 0;            // s, for all its answers together; in no file but checkpoints
+};
+
 /// What one algorithm said: a group of /answers and a column of /results.
 struct Answers {
   std::string label, name, knobs, promise, thesis_key, operations_unit, scope;  // knobs: JSON
-  std::string library;  // name and version of somebody else's that answered; empty: none
+  std::string library;                  // name and version of somebody else's that answered; empty: none
+  std::optional<ForeignFacts> foreign;  // of a method of others
   Machine machine;
   PairLists hits;
   // columns, S
   std::vector<std::int64_t> time_ns, time_median_ns, prepare_ns;
+  std::vector<std::int64_t> exchange_ns;  // S of a method in a process of its own, else empty
   std::vector<std::uint64_t> operations, true_positive, false_positive, false_negative, rounding_miss;
   std::vector<std::uint64_t> contained_hit;  // S with Containment::record, else empty
 };
+
+/// Whether it failed at some step.
+inline bool failed(const Answers& answers) { return answers.foreign && !answers.foreign->reason.empty(); }
 
 /// One row of /summary. A ratio 0/0 is NaN, but the error is then 0. hits = true_positive + false_positive +
 /// contained_hit.

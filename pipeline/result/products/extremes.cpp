@@ -22,7 +22,7 @@ inline constexpr Column<ExtremeCase, double> kCaseReals[] = {
     {"gap", &ExtremeCase::gap, "m", "displacement along the approach from exact touching; positive: apart"},
     {"ulp", &ExtremeCase::ulp, "m", "spacing of doubles at the greatest coordinate, offset + 8 scale"},
     {"scale", &ExtremeCase::scale, "m", "size of the bodies: about half their extent"},
-    {"offset", &ExtremeCase::offset, "m", "of each coordinate of the first body"}};
+    {"offset", &ExtremeCase::offset, "m", "each coordinate at which the first body stands"}};
 inline constexpr Column<ExtremeCase, std::int64_t> kCaseIntegers[] = {
     {"gap_ulps", &ExtremeCase::gap_ulps, "1", "gap in units of ulp"}};
 inline constexpr Column<ExtremeCase, std::uint64_t> kCaseCounts[] = {
@@ -189,6 +189,13 @@ Product extremes_product() {
           .has = [](const Result& result) { return result.products.find<Extremes>() != nullptr; },
           .lay = lay,
           .read = read,
+          .when = "kind = \"extremes\"",
+          .sample =
+              [](Result& result) {
+                ExtremeAnswers said;
+                said.reported = said.swapped = said.moved = said.failed = {0, 0};
+                result.products.put(Extremes{.rows = {ExtremeCase{}, ExtremeCase{}}, .answers = {said}});
+              },
           .take = take,
           .text = text,
           .json = json,

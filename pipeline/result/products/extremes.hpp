@@ -9,7 +9,7 @@
 
 namespace pipeline {
 
-/// Within so many ulps of touching a pair is counted apart: methods that round elsewhere are not charged with our
+/// Within that many ulps of touching a pair is counted apart: methods that round elsewhere are not charged with our
 /// convention.
 constexpr std::int64_t kNearUlps = 1000;
 

@@ -62,6 +62,12 @@ Product gaps_product() {
           .has = [](const Result& result) { return result.truth.gaps.has_value(); },
           .lay = lay,
           .read = read,
+          .when = "[truth] gap = true",
+          .sample =
+              [](Result& result) {
+                GapLists& gaps = result.truth.gaps.emplace();
+                for (int step = 0; step < 2; ++step) gaps.pairs.append({});
+              },
           .line = line,
           .json = json,
           .plan = plan,

@@ -85,7 +85,7 @@ std::string text(const Result& result) {
   const Passes& passes = *result.products.find<Passes>();
   if (passes.answers.empty()) return "";
   const std::vector<std::string> names = targets(passes.rows);
-  std::vector<std::vector<std::string>> first = {{"first report"}}, wrong = {{"missed + invented"}};
+  std::vector<std::vector<std::string>> first = {{"first report"}}, wrong = {{"missed + false positives"}};
   for (const std::string& name : names) {
     first[0].push_back(name);
     wrong[0].push_back(name);
@@ -100,7 +100,7 @@ std::string text(const Result& result) {
                              : std::fabs(row.median) < 0.5e-3 ? "0.000"
                                                               : print("%+.3f", row.median));
       wrong.back().push_back(print("%llu + %llu", static_cast<unsigned long long>(row.missed),
-                                   static_cast<unsigned long long>(row.false_alarms)));
+                                   static_cast<unsigned long long>(row.false_positives)));
     }
   }
   std::vector<std::string> met = {"passes that meet"};
@@ -117,7 +117,8 @@ std::string text(const Result& result) {
          "\nfirst report: metres before (+) or after (-) the exact first contact, the median over the passes that meet "
          "and are reported\n\n" +
          aligned(wrong) +
-         "\nmissed: passes that meet and are never reported; invented: passes that never meet and are reported\n\n";
+         "\nmissed: passes that meet and are never reported; false positives: passes that never meet and are "
+         "reported\n\n";
 }
 
 void json(const Result& result, OrderedJson& out) {
@@ -133,7 +134,7 @@ void json(const Result& result, OrderedJson& out) {
                       {"passes", row.passes},
                       {"met", row.met},
                       {"missed", row.missed},
-                      {"invented", row.false_alarms},
+                      {"false_positives", row.false_positives},
                       {"flicker", row.flicker},
                       {"first_median", row.median},
                       {"first_earliest", row.earliest},
@@ -193,7 +194,7 @@ TargetSummary summarise(const std::vector<PassRow>& rows, const PassAnswers& ans
     ++out.passes;
     out.met += met;
     out.missed += met && !reported;
-    out.false_alarms += !met && reported;
+    out.false_positives += !met && reported;
     out.flicker += answers.flicker[p];
     if (met && reported) first.push_back(answers.first[p]);
   }
@@ -220,6 +221,11 @@ Product passes_product() {
           .has = [](const Result& result) { return result.products.find<Passes>() != nullptr; },
           .lay = lay,
           .read = read,
+          .when = "the scene has passes",
+          .sample =
+              [](Result& result) {
+                result.products.put(Passes{.rows = {PassRow{}}, .answers = {PassAnswers{{0}, {0}, {0}, {0}}}});
+              },
           .take = take,
           .text = text,
           .json = json,

@@ -75,6 +75,9 @@ Product physics_product() {
       .has = [](const Result& result) { return result.products.find<PhysicsRows>() != nullptr; },
       .lay = lay,
       .read = read,
+      .when = "the scene is integrated",
+      .sample = [](Result& result) { result.products.put(PhysicsRows{}).rows.resize(2); },
+
       .failure = failure,
       .line = [](const Result& result) { return "integration " + result.products.find<PhysicsRows>()->status + "\n"; },
       .json = json,

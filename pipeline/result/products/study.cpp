@@ -130,6 +130,8 @@ Product study_product() {
           .lay = lay,
           .read = read,
           .chunks = "case",
+          .when = "study = \"integration\"",
+          .sample = [](Result& result) { result.products.put(StudyRows(1)); },
           .what = "a study of the integrators",
           .text = text,
           .json = json,
