@@ -472,7 +472,9 @@ def gated(folder):
         "-j",
         "2",
     ]
-    process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    ignoring = ["bash", "-c", "trap '' INT; exec \"$@\"", "-"]  # as a script's & starts it
+    command = [*ignoring, *map(str, command)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     end = time.monotonic() + 100
     while not (folder / "pids").exists() or len((folder / "pids").read_text().split()) < 2:
         assert time.monotonic() < end and process.poll() is None, process.communicate()
