@@ -118,7 +118,7 @@ void read(const Section& s, SceneConfig& config) {
       t.refuse("shapes", "hold at least one shape", "leave the key out for the scene's sphere");
     spheres += sphere_count(set);
     if (spheres > kMostBodies)
-      t.fail("'scene.set' must hold at most " + std::to_string(kMostBodies) + " spheres or other bodies, not " +
+      t.fail("'scene.set' must hold at most " + std::to_string(kMostBodies) + " bodies, not " +
              std::to_string(spheres) + "; lower 'lying' or 'above'");
     scene.sets.push_back(set);
   }
