@@ -25,7 +25,8 @@ using geometry::Pair;
 using geometry::PairRun;
 using geometry::Pose;
 
-/// conservative: never misses a pair that truly meets (outside rounding); exact: neither misses one nor reports another.
+/// conservative: never misses a pair that truly meets (outside rounding); exact: neither misses one nor reports
+/// another.
 enum class Promise { none, conservative, exact };
 
 /// pair: visits every pair; scene: has a broad phase of its own.
