@@ -30,9 +30,9 @@ namespace {
 
 /// The thesis's scene: one sphere onto another, ten onto ten, and a block of 6 x 6 x 6 onto 6 x 6.
 std::vector<FallingSet> thesis_sets() {
-  return {{.lying = {1, 1}, .above = {1, 1, 1}, .corner = {-14, -20}, .spacing = 2.1, .height = 5},
-          {.lying = {10, 1}, .above = {10, 1, 1}, .corner = {-10, -18}, .spacing = 2.5, .height = 26},
-          {.lying = {6, 6}, .above = {6, 6, 6}, .corner = {-5, -3}, .spacing = 2.1, .height = 75}};
+  return {{.lying = {1, 1}, .above = {1, 1, 1}, .corner = {-14, -20}, .spacing = 2.1, .height = 5, .shapes = {}},
+          {.lying = {10, 1}, .above = {10, 1, 1}, .corner = {-10, -18}, .spacing = 2.5, .height = 26, .shapes = {}},
+          {.lying = {6, 6}, .above = {6, 6, 6}, .corner = {-5, -3}, .spacing = 2.1, .height = 75, .shapes = {}}};
 }
 
 /// At most 1e12 + 1e18 by the rules for each count: no overflow.
@@ -118,7 +118,7 @@ void read(const Section& s, SceneConfig& config) {
       t.refuse("shapes", "hold at least one shape", "leave the key out for the scene's sphere");
     spheres += sphere_count(set);
     if (spheres > kMostBodies)
-      t.fail("'scene.set' must hold at most " + std::to_string(kMostBodies) + " spheres or other bodies, not " +
+      t.fail("'scene.set' must hold at most " + std::to_string(kMostBodies) + " bodies, not " +
              std::to_string(spheres) + "; lower 'lying' or 'above'");
     scene.sets.push_back(set);
   }
@@ -227,7 +227,16 @@ std::string what_of(const FallingBody& body) { return body.shape ? name_of(body)
 
 /// Whether some set is of the scene's sphere.
 bool has_default_sphere(const FallingScene& scene) {
-  return std::ranges::any_of(scene.sets, [](const FallingSet& set) { return set.shapes.empty(); });
+  return std::ranges::any_of(scene.sets,
+                             [](const FallingSet& set) { return set.shapes.empty() && sphere_count(set) > 0; });
+}
+
+/// How many bodies of a set have shape number `k`.
+std::uint64_t count_of(const FallingSet& set, std::size_t k) {
+  std::uint64_t out = 0;
+  for (const std::int64_t count : {set.lying[0] * set.lying[1], set.above[0] * set.above[1] * set.above[2]})
+    out += std::uint64_t(count) / set.shapes.size() + (k < std::uint64_t(count) % set.shapes.size());
+  return out;
 }
 
 SceneSize size(const SceneConfig& config) {
@@ -253,14 +262,10 @@ SceneSize size(const SceneConfig& config) {
   add(1, mesh_size(BoxShape{}), "plate");
   for (const FallingObstacle& obstacle : scene.obstacles) add_body(1, obstacle.body, true);
   for (const FallingSet& set : scene.sets) {
-    if (set.shapes.empty()) {
-      add(std::uint64_t(sphere_count(set)), mesh_size(SphereShape{scene.radius, scene.segments}), "sphere");
-      continue;
-    }
-    const std::uint64_t kinds = set.shapes.size();
-    for (const std::uint64_t count :
-         {std::uint64_t(set.lying[0] * set.lying[1]), std::uint64_t(set.above[0] * set.above[1] * set.above[2])})
-      for (std::uint64_t k = 0; k < kinds; ++k) add_body(count / kinds + (k < count % kinds), set.shapes[k], false);
+    const std::uint64_t spheres = set.shapes.empty() ? std::uint64_t(sphere_count(set)) : 0;
+    if (spheres > 0) add(spheres, mesh_size(SphereShape{scene.radius, scene.segments}), "sphere");
+    for (std::size_t k = 0; k < set.shapes.size(); ++k)
+      if (const std::uint64_t count = count_of(set, k); count > 0) add_body(count, set.shapes[k], false);
   }
   return out;
 }
@@ -338,7 +343,10 @@ Scene make(const SceneConfig& config) {
     state.orientation = {q.w, q.x, q.y, q.z};
   };
 
-  const RigidBody floor{.fixed = true, .sphere = false, .half_extents = {plate[0] / 2, plate[1] / 2, plate[2] / 2}};
+  RigidBody floor;
+  floor.fixed = true;
+  floor.sphere = false;
+  floor.half_extents = {plate[0] / 2, plate[1] / 2, plate[2] / 2};
   add("plate", 0, floor, 0, -plate[1] / 2, 0);
 
   Meshes meshes(config, bodies);
@@ -359,11 +367,14 @@ Scene make(const SceneConfig& config) {
   };
   for (std::size_t s = 0; s < falling.sets.size(); ++s) {
     const FallingSet& set = falling.sets[s];
+    if (sphere_count(set) == 0) continue;
     std::vector<Kind> kinds;
     if (set.shapes.empty()) kinds.push_back(sphere());
-    for (const FallingBody& body : set.shapes) {
-      const std::uint32_t mesh = meshes.of(body, false);
-      kinds.push_back({mesh, meshes.rigid(body, false, mesh), -geometry::local_box(bodies.meshes[mesh]).min.y()});
+    for (std::size_t k = 0; k < set.shapes.size(); ++k) {
+      if (count_of(set, k) == 0) break;  // nor has any that follows
+      const std::uint32_t mesh = meshes.of(set.shapes[k], false);
+      kinds.push_back(
+          {mesh, meshes.rigid(set.shapes[k], false, mesh), -geometry::local_box(bodies.meshes[mesh]).min.y()});
     }
     const std::string prefix = "set" + std::to_string(s + 1);
     std::size_t number = 0;

@@ -147,7 +147,7 @@ def test_what_is_no_solid_is_one_line(tmp_path, faces, what):
 
 def test_spheres_that_find_no_place_are_one_line(tmp_path):
     (tmp_path / "m.obj").write_text(re.sub(r"v (\S+) (\S+) 1\n", r"v \1 \2 0.001\n", CUBE) + FACES)
-    run = pipeline("check", scene(tmp_path, "m.obj"))
+    run = pipeline("check", scene(tmp_path, "m.obj"), "--set", "scene.contact_spheres=4")
     assert run.returncode == INPUT
     assert re.search(r"not \"m\.obj\": \d+ contact spheres inside it leave its surface up to \S+ m away, "
                      r"more than a quarter of its size; raise contact_spheres, or make it thicker$", one_line(run))
