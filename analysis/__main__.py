@@ -36,7 +36,8 @@ def main(arguments=None):
     command.set_defaults(act=lambda chosen: say(studied(chosen.file, chosen.unsealed)))
     viewer.add_command(commands)
     for command in commands.choices.values():
-        command.add_argument("--unsealed", action="store_true", help="read results although they were changed since they "
+        command.add_argument("--unsealed", action="store_true", help="read results although they were changed since "
+                                                                     "they "
                              "were written, as by own datasets; digests still hold")
     chosen = parser.parse_args(arguments)
     try:

@@ -66,7 +66,8 @@ def test_the_file_tells_its_spheres(heap):
             centre, radius = spheres[:, :3], spheres[:, 3:]
             assert (centre - radius >= low - 1e-12).all() and (centre + radius <= high + 1e-12).all()
             apart = np.linalg.norm(vertices[:, None] - centre[None], axis=2) - radius.T
-            assert 0 <= apart.min() and apart.min(axis=1).max() <= mesh.attrs["contact_deviation"] < 0.25 * max(high - low)
+            assert 0 <= apart.min()
+            assert apart.min(axis=1).max() <= mesh.attrs["contact_deviation"] < 0.25 * max(high - low)
 
 
 def test_detect_keeps_the_spheres(heap, tmp_path):
@@ -125,7 +126,8 @@ def scene(folder, mesh, more=""):
 
 
 @pytest.mark.parametrize("faces,what", [
-    (FACES[:-len("f 2 4 8 6\n")], r"the surface is open, the edge from \(1, 0, 0\) to \(1, 1, 0\) belongs to 1 facet, .*; "
+    (FACES[:-len("f 2 4 8 6\n")],
+     r"the surface is open, the edge from \(1, 0, 0\) to \(1, 1, 0\) belongs to 1 facet, .*; "
                                   "close it, or raise truth.closed_within"),
     (FACES.replace("f 2 4 8 6", "f 6 8 4 2"), "its facets face both ways; turn those that face inward"),
     ("f 1 2 4 3\nf 7 8 6 5\nf 5 6 2 1\nf 4 8 7 3\nf 3 7 5 1\nf 6 8 4 2\n", "its facets face inward; turn them all"),
@@ -137,7 +139,8 @@ def test_what_is_no_solid_is_one_line(tmp_path, faces, what):
     for command in (["check", config], ["run", config, "-o", tmp_path / "x.h5"]):
         run = pipeline(*command)
         assert run.returncode == INPUT
-        assert re.fullmatch(rf".*c\.toml:7:\d+: 'scene\.set\.0\.shapes\.0\.mesh' must be a solid body, not \"m\.obj\": {what}",
+        assert re.fullmatch(r".*c\.toml:7:\d+: 'scene\.set\.0\.shapes\.0\.mesh' must be a solid body, "
+                            rf"not \"m\.obj\": {what}",
                             one_line(run)), run.stderr
     assert not (tmp_path / "x.h5").exists()
 
@@ -146,8 +149,8 @@ def test_spheres_that_find_no_place_are_one_line(tmp_path):
     (tmp_path / "m.obj").write_text(re.sub(r"v (\S+) (\S+) 1\n", r"v \1 \2 0.001\n", CUBE) + FACES)
     run = pipeline("check", scene(tmp_path, "m.obj"), "--set", "scene.contact_spheres=4")
     assert run.returncode == INPUT
-    assert re.search(r"not \"m\.obj\": \d+ contact spheres inside it leave its surface up to \S+ m away, more than a quarter "
-                     r"of its size; raise contact_spheres, or make it thicker$", one_line(run))
+    assert re.search(r"not \"m\.obj\": \d+ contact spheres inside it leave its surface up to \S+ m away, "
+                     r"more than a quarter of its size; raise contact_spheres, or make it thicker$", one_line(run))
 
 
 def test_a_mesh_that_is_not_there_is_one_line(tmp_path):
@@ -162,7 +165,8 @@ def test_a_mesh_that_is_not_there_is_one_line(tmp_path):
     ("scene.set.0.shapes=[{}]", "missing key 'scene.set.0.shapes.0.shape'"),
     ("scene.set.0.shapes=[{shape='box',size=[1,1,1],densty=3}]", "did you mean 'density'?"),
     ("scene.obstacle=[{shape='box',size=[1,1,1]}]", "missing key 'scene.obstacle.0.name'"),
-    ("scene.obstacle=[{name='plate',shape='box',size=[1,1,1]}]", "'scene.obstacle.0.name' must be the only one of its name"),
+    ("scene.obstacle=[{name='plate',shape='box',size=[1,1,1]}]", "'scene.obstacle.0.name' must be the only one of its "
+                                                                 "name"),
 ])
 def test_wrong_keys_are_one_line(setting, what):
     run = pipeline("check", HEAP, "--set", setting)
@@ -176,7 +180,8 @@ def test_too_many_contact_spheres_are_refused_with_the_estimate(tmp_path):
         before = time.monotonic()
         run = pipeline(*command, *more)
         assert run.returncode == INPUT
-        assert re.search(r"the run needs about \d+\.\d [GT]iB of memory, this machine has .*contact_spheres make it smaller",
+        assert re.search(r"the run needs about \d+\.\d [GT]iB of memory, this machine has .*"
+                         r"contact_spheres make it smaller",
                          one_line(run)), run.stderr
         assert time.monotonic() - before < 20, "before spheres are placed"
     assert list(tmp_path.iterdir()) == []
