@@ -110,7 +110,7 @@ def opened(paths, unsealed=False):
     found = {}
     for path in paths:
         try:
-            run = load(path, unsealed)
+            run = load(path, unsealed).completed()
             kind = scenes.kind(run)
             if kind not in KINDS:
                 raise ValueError(f"is of a {kind or 'study, not a'} scene; the statements are about {', '.join(KINDS)}")

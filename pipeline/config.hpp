@@ -43,4 +43,7 @@ Config recorded_config(const std::string& effective, const std::string& file);
 /// follows when it is not given. Throws Error(kInput) naming the argument.
 AlgorithmChoice parse_algorithm(const std::string& argument, Containment containment = Containment::ignore);
 
+/// Finds the files of programs and takes their SHA-256. Throws Error(kInput) for a command without a program.
+void find_files(std::vector<AlgorithmChoice>& choices);
+
 }  // namespace pipeline

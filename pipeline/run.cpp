@@ -239,6 +239,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     if (choices.empty())
       throw Error(kInput, file.string() + ": this build has none of its algorithms; name others with --algorithm");
   }
+  find_files(choices);
 
   const auto index_of = [&](const std::string& label) {
     const auto same = [&](const Answers& answers) { return answers.label == label; };
@@ -311,6 +312,9 @@ std::vector<std::string> failures(const Result& result) {
   for (std::size_t a = 0; a < result.answers.size(); ++a) {
     const Answers& answers = result.answers[a];
     const Summary& row = result.summary[a];
+    if (failed(answers))
+      lines.push_back(answers.label + " failed after " + std::to_string(answers.foreign->steps_done) + " of " +
+                      std::to_string(result.steps()) + " steps: " + answers.foreign->reason);
     if (row.promise_kept) continue;
     std::string line = answers.label + " breaks its promise (" + answers.promise + "): ";
     line += std::to_string(row.false_negative) + " false negatives";

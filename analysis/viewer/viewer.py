@@ -83,7 +83,7 @@ def step_page(path, step=None, label=None, window=None, unsealed=False):
     window: slice of steps, None for AROUND on either side of step. Raises OSError or ValueError when the file is not a
     result, Unfit when a value does not fit it, Uninstalled when three.js is not there.
     """
-    run = load(path, unsealed)
+    run = load(path, unsealed).completed()
     steps, labels = run.meta["steps"], run.meta["algorithms"]
     if not steps or not run.meta["bodies"]:
         raise Unfit(f"{path}: has no {'bodies' if steps else 'steps'}; there is nothing to show")

@@ -24,7 +24,7 @@ std::string checked(const Config& config, const std::filesystem::path& output, b
     const Scene scene = make_scene(config);
     planned = plan(config, scene, threads);
     refuse_if_too_large(planned, output);
-    refuse_unfit(scene.bodies, config.algorithms);
+    planned.abouts = refuse_unfit(scene.bodies, config.algorithms);
     stages = foreseen_stages(config, scene, planned, threads, kTrial);
   }
   const Seconds time = range(stages, config);

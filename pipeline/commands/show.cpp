@@ -41,6 +41,7 @@ std::string aligned(const std::vector<std::vector<std::string>>& rows) {
 }
 
 std::string time_text(double ns) {
+  if (std::isnan(ns)) return "-";
   if (ns < 1e3) return print("%.0f ns", ns);
   if (ns < 1e6) return print("%.2f us", ns * 1e-3);
   if (ns < 1e9) return print("%.3f ms", ns * 1e-6);
@@ -48,6 +49,38 @@ std::string time_text(double ns) {
 }
 
 std::string share_text(double value) { return std::isnan(value) ? "-" : print("%.4f", value); }
+
+/// What methods of others are, and how they ended.
+std::string foreign_text(const Result& result) {
+  std::string text;
+  for (const Answers& answers : result.answers) {
+    if (!answers.foreign) continue;
+    const ForeignFacts& facts = *answers.foreign;
+    text += answers.label + ": " + facts.transport;
+    for (const std::string* part : {&facts.command, &facts.version, &facts.language, &facts.precision})
+      if (!part->empty()) text += (part == &facts.command ? " " : ", ") + one_line(*part, 200);
+    if (facts.threads != 1) text += ", " + std::to_string(facts.threads) + " threads";
+    text += '\n';
+    if (failed(answers))
+      text += "    failed after " + std::to_string(facts.steps_done) + " of " + std::to_string(result.steps()) +
+              " steps, whose sums these are: " + one_line(facts.reason, 1000) + "\n";
+  }
+  return text.empty() ? text : text + "\n";
+}
+
+Json foreign_json(const Answers& answers) {
+  const ForeignFacts& facts = *answers.foreign;
+  return {{"transport", facts.transport},
+          {"command", facts.command},
+          {"files_sha256", Json::parse(facts.files)},
+          {"version", facts.version},
+          {"language", facts.language},
+          {"precision", facts.precision},
+          {"threads", facts.threads},
+          {"status", failed(answers) ? "failed" : "complete"},
+          {"reason", facts.reason},
+          {"steps_done", facts.steps_done}};
+}
 
 /// Targets across, algorithms down: when each first reports, and what it never or wrongly does.
 std::string passes_text(const Result& result) {
@@ -335,6 +368,7 @@ std::string result_text(const Result& result, bool digests) {
       "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
       "per step\n\n";
 
+  text += foreign_text(result);
   if (result.passes && !result.answers.empty()) text += passes_text(result);
   if (result.extremes && !result.answers.empty()) text += extremes_text(result);
 
@@ -379,6 +413,7 @@ std::string result_json(const Result& result, const std::string& path) {
                                   {"scope", answers.scope},
                                   {"operations_unit", answers.operations_unit},
                                   {"library", answers.library}});
+    if (answers.foreign) json["algorithms"].back()["foreign"] = foreign_json(answers);
     each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
       if constexpr (!is_optional<T>)
         json["algorithms"].back()[column.name] = row.*column.member;
