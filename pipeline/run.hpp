@@ -14,6 +14,7 @@ struct RunOptions {
   int threads = 0;               // of the truth stage; 0: all cores
   bool force = false;            // replace an existing output, discard another run's part
   bool quiet = false;            // no progress
+  std::vector<std::string> plugins;  // libraries of the command line
   bool unsealed = false;         // of an existing file: read it although its seal does not hold
 };
 
