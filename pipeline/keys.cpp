@@ -32,11 +32,18 @@ constexpr KeyText kTexts[] = {
     {"scene.plate", "m", "sides of the plate"},
     {"scene.shift", "m", "displaces every upper sphere along x, so that none falls on a pole"},
     {"scene.jitter", "m", "greatest random displacement of every upper sphere along each axis"},
-    {"scene.set.N.lying", "1", "lying spheres along x and z"},
-    {"scene.set.N.above", "1", "falling spheres along x and z"},
-    {"scene.set.N.corner", "m", "x and z of the first sphere of the set"},
-    {"scene.set.N.spacing", "m", "distance of neighbouring spheres"},
-    {"scene.set.N.height", "m", "height of the falling spheres' centres"},
+    {"scene.contact_spheres", "1", "spheres inside a mesh by which bodies that are no spheres touch, at most"},
+    {"scene.set.N.lying", "1", "lying bodies along x and z"},
+    {"scene.set.N.above", "1", "falling bodies along x, y and z"},
+    {"scene.set.N.corner", "m", "x and z of the first body of the set"},
+    {"scene.set.N.spacing", "m", "distance of neighbouring bodies"},
+    {"scene.set.N.height", "m", "height of the lowest falling bodies"},
+    {"scene.set.N.turned", "1", "the falling bodies are turned at random"},
+    {"scene.set.N.shapes.N.shape", "1", "what falls instead of spheres, one after another (`pipeline list shapes`)",
+     true},
+    {"scene.set.N.shapes.N.mesh", "1", "the same from a file (OBJ, OFF, STL or PLY); instead of shape", true},
+    {"scene.set.N.shapes.N.density", "kg/m^3", "density; without it that of the scene"},
+    {"scene.set.N.shapes.N.contact_spheres", "1", "as of the scene, of this one"},
     {"scene.half_width", "m", "from the middle of the cube to the inner faces"},
     {"scene.thickness", "m", "thickness of the plates"},
     {"scene.births.count", "1", "spheres that are born"},
@@ -51,8 +58,12 @@ constexpr KeyText kTexts[] = {
      true},
     {"scene.obstacle.N.name", "1", "name of the obstacle", true},
     {"scene.obstacle.N.shape", "1", "shape of the obstacle (`pipeline list shapes`)", true},
+    {"scene.obstacle.N.mesh", "1", "file of its mesh (OBJ, OFF, STL or PLY); instead of shape", true},
+    {"scene.obstacle.N.density", "kg/m^3", "as of the scene; nothing depends on it"},
+    {"scene.obstacle.N.contact_spheres", "1", "as of the scene, of this one"},
+    {"scene.obstacle.N.position", "m", "where it stands"},
     {"scene.obstacle.N.rotation", "degrees", "turns about axes of the world, one after another"},
-    {"scene.obstacle.N.orientation", "1", "w, x, y, z; instead of rotation", true},
+    {"scene.obstacle.N.orientation", "1", "w, x, y, z; in the playground instead of rotation", true},
     {"scene.path.N.name", "1", "name of the path; without it its axis or number"},
     {"scene.path.N.targets", "1", "obstacles that it goes through, one pass each; without it all"},
     {"scene.path.N.axis", "1", "axis along which it goes; else from and to", true},
@@ -152,7 +163,9 @@ struct Example {
 
 /// What beside `kind` makes a reader ask for more.
 const std::multimap<std::string, std::string> kMore = {
-    {"falling", "[[scene.set]]\n"},
+    {"falling",
+     "[[scene.obstacle]]\nname = 'a'\nmesh = 'a.obj'\n[[scene.obstacle]]\nname = 'b'\nshape = 'sphere'\n"
+     "radius = 1\n[[scene.set]]\nshapes = [{mesh = 'b.obj'}, {shape = 'sphere', radius = 1}]\n"},
     {"playground",
      "hero = {shape = 'sphere', radius = 1}\n[[scene.obstacle]]\nname = 'a'\nshape = 'sphere'\nradius = 1\n"
      "[[scene.obstacle]]\nname = 'b'\nshape = 'sphere'\nradius = 1\norientation = [1, 0, 0, 0]\n"
@@ -205,7 +218,7 @@ std::string numberless(const std::string& path) {
 
 /// The key of a shape, whatever has it, as SHAPE.radius.
 std::string general(const std::string& path) {
-  for (const std::string holder : {"scene.hero.", "scene.obstacle.N.", "scene.body.N."})
+  for (const std::string holder : {"scene.hero.", "scene.obstacle.N.", "scene.body.N.", "scene.set.N.shapes.N."})
     if (path.starts_with(holder)) {
       const std::string shape = "SHAPE." + path.substr(holder.size());
       if (std::ranges::any_of(kTexts, [&](const KeyText& text) { return shape == text.path; })) return shape;

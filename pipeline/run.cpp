@@ -10,6 +10,7 @@
 
 #include "pipeline/plan.hpp"
 #include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/product.hpp"
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/scene.hpp"
@@ -68,6 +69,12 @@ ExtremesDetected answered(const Result& result, const std::vector<CaseSet>& sets
   return detect_extremes(result.bodies, result.motion, result.truth, sets, choices, repeats, machine(), part, progress);
 }
 
+/// Those that follow from the rest of the result.
+void make_products(Result& result) {
+  for (const Product& product : products())
+    if (product.make) product.make(result);
+}
+
 /// Digest, file and its place.
 void store(Result& result, OutputFile& target, bool quiet, Forecast& forecast) {
   Progress progress("store", 1, quiet, &forecast, "file");
@@ -86,14 +93,14 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
   const std::vector<StudyRow> cases = study_cases(*config.study);
   OutputFile target(output, options.force ? Existing::replace : Existing::refuse);
   Checkpoint part(part_path, checkpoint_key(config, from), config.title, std::int64_t(cases.size()), options.force,
-                  true);
+                  "study");
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   // More would be short of processor, and its budget of wall time could decide.
   const int processes = std::min(thread_count(options.threads), thread_count(0));
   Result result;
   {
     Progress progress("cases", cases.size(), options.quiet, nullptr, "case");
-    result.study = study_rows(*config.study, cases, processes, part, progress);
+    result.products.put(study_rows(*config.study, cases, processes, part, progress));
   }
   describe(result, config, std::move(from), start);
   part.mark_complete();
@@ -171,7 +178,7 @@ Result run(const Config& config, const RunOptions& options) {
         throw;
       }
       result.motion = std::move(motion.poses);
-      result.physics = std::move(motion.physics);
+      result.products.put(std::move(motion.physics));
     } else {
       result.motion = std::move(scene.script);
       progress.add(steps);
@@ -187,14 +194,16 @@ Result run(const Config& config, const RunOptions& options) {
   give_back();
   if (!scene.case_sets.empty()) {
     Progress progress("cases", steps, options.quiet, &forecast, "case");
-    result.extremes.emplace().rows =
+    Extremes extremes;
+    extremes.rows =
         extreme_rows(result.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
+    result.products.put(std::move(extremes));
   }
   ExtremesDetected found =
       answered(result, scene.case_sets, config.algorithms, config.repeats, &part, options.quiet, forecast);
   result.answers = std::move(found.answers);
   give_back();
-  if (result.extremes) result.extremes->answers = std::move(found.cases);
+  if (Extremes* extremes = result.products.find<Extremes>()) extremes->answers = std::move(found.cases);
   if (!scene.passes.empty()) {
     Progress progress("passes", scene.passes.size() * (1 + result.answers.size()), options.quiet, &forecast, "pass");
     Passes passes;
@@ -202,12 +211,13 @@ Result run(const Config& config, const RunOptions& options) {
     for (std::size_t a = 0; a < result.answers.size(); ++a)
       passes.answers.push_back(pass_answers(result.bodies, result.motion, result.truth, scene.passes, passes.rows,
                                             result.answers[a], config.algorithms[a], progress));
-    result.passes = std::move(passes);
+    result.products.put(std::move(passes));
   }
   const std::uint64_t pairs = judged_pairs(result);
   for (const Answers& answers : result.answers) result.summary.push_back(summarise(answers, pairs));
 
   result.first_step = first_steps(result.motion, result.bodies.size());
+  make_products(result);
   describe(result, config, std::move(from), start);
   part.mark_complete();
   store(result, target, options.quiet, forecast);
@@ -226,9 +236,8 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     throw Error(
         kFile, file.string() + ": holds '" + one_line(result.foreign.front()) +
                    "', which is not this program's and would be lost; take it out first, or work on a copy without it");
-  if (result.study)
-    throw Error(kFile,
-                file.string() + ": is a study of the integrators, without poses to answer; name a result of a scene");
+  if (const Product* product = stands_alone(result))
+    throw Error(kFile, file.string() + ": is " + product->what + ", without poses to answer; name a result of a scene");
   const Config config = recorded_config(result.config_effective, file.string());
   result.bodies.closed_within = config.closed_within;
   std::vector<AlgorithmChoice> choices;
@@ -256,35 +265,39 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   }
 
   std::vector<CaseSet> sets;
-  if (result.extremes) {
+  if (result.products.find<Extremes>()) {
     sets = config.scene_kind->make(config).case_sets;
     if (sets.empty() || std::size_t(sets.back().first_step + sets.back().steps) != result.steps())
       throw Error(kFile, file.string() + ": its cases are not those of its configuration; run again with --force");
   } else {
     refuse_unfit(result.bodies, choices);
   }
+  const Passes* passes_before = result.products.find<Passes>();
   Forecast forecast;
   if (!options.quiet && sets.empty()) {
     const Plan planned = plan(result.bodies, result.steps(), choices);
     forecast = Forecast(foreseen_stages(result.bodies, result.motion, choices, config.repeats,
-                                        result.passes ? result.passes->rows.size() : 0, planned, kTrial));
+                                        passes_before ? passes_before->rows.size() : 0, planned, kTrial));
   }
   ExtremesDetected found = answered(result, sets, choices, config.repeats, nullptr, options.quiet, forecast);
+  Products fresh_products;
+  if (!sets.empty()) fresh_products.put(Extremes{.rows = {}, .answers = std::move(found.cases)});
   std::vector<Answers>& fresh = found.answers;
-  std::vector<PassAnswers> fresh_passes;
-  if (result.passes) {
+  if (passes_before) {
     // The file holds where the hero was at its samples; where it was between them its configuration says.
     const std::vector<Pass> passes = config.scene_kind->make(config).passes;
     const auto same = [&](const Pass& pass, const PassRow& row) {
       return std::uint64_t(pass.first_step) == row.first_step && std::uint64_t(pass.samples) == row.samples &&
              row.samples <= result.steps() && row.first_step <= result.steps() - row.samples;
     };
-    if (!std::ranges::equal(passes, result.passes->rows, same))
+    if (!std::ranges::equal(passes, passes_before->rows, same))
       throw Error(kFile, file.string() + ": its passes are not those of its configuration; run again with --force");
     Progress progress("passes", passes.size() * fresh.size(), options.quiet, &forecast, "pass");
+    Passes said;
     for (std::size_t a = 0; a < fresh.size(); ++a)
-      fresh_passes.push_back(pass_answers(result.bodies, result.motion, result.truth, passes, result.passes->rows,
+      said.answers.push_back(pass_answers(result.bodies, result.motion, result.truth, passes, passes_before->rows,
                                           fresh[a], choices[a], progress));
+    fresh_products.put(std::move(said));
   }
   const std::uint64_t pairs = judged_pairs(result);
   for (std::size_t i = 0; i < fresh.size(); ++i) {
@@ -293,22 +306,22 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     if (at == result.answers.size()) {
       result.answers.emplace_back();
       result.summary.emplace_back();
-      if (result.passes) result.passes->answers.emplace_back();
-      if (result.extremes) result.extremes->answers.emplace_back();
     }
-    if (result.passes) result.passes->answers[at] = std::move(fresh_passes[i]);
-    if (result.extremes) result.extremes->answers[at] = std::move(found.cases[i]);
+    for (const Product& product : products())
+      if (product.take && product.has(result)) product.take(fresh_products, i, result.products, at);
     result.summary[at] = summarise(answers, pairs);
     result.answers[at] = std::move(answers);
   }
+  make_products(result);
   store(result, target, options.quiet, forecast);
   return result;
 }
 
 std::vector<std::string> failures(const Result& result) {
   std::vector<std::string> lines;
-  if (result.physics && result.physics->status != "complete")
-    lines.push_back("the integration " + result.physics->status);
+  for (const Product& product : products())
+    if (product.failure && product.has(result))
+      if (const std::string line = product.failure(result); !line.empty()) lines.push_back(line);
   for (std::size_t a = 0; a < result.answers.size(); ++a) {
     const Answers& answers = result.answers[a];
     const Summary& row = result.summary[a];

@@ -1,8 +1,8 @@
 """A look at a step: one HTML page with the bodies in 3D, right and wrong answers coloured and listed.
 
-The page holds everything: three.js (Debian's libjs-three: one apt package, no second registry, no bundler), our scripts,
-the meshes once each, the poses of a window of steps, and the wrong answers of all algorithms in it. It asks the network
-for nothing; its Content-Security-Policy forbids that.
+The page holds everything: three.js (Debian's libjs-three: one apt package, no second registry, no bundler), our
+scripts, the meshes once each, the poses of a window of steps, and the wrong answers of all algorithms in it. It asks
+the network for nothing; its Content-Security-Policy forbids that.
 """
 
 import base64

@@ -18,7 +18,7 @@ std::string checked(const Config& config, const std::filesystem::path& output, b
   refuse_if_too_large(planned, output);
   std::vector<Stage> stages;
   const int threads = thread_count(0);
-  if (config.study || planned.case_sets > 0) {
+  if (config.study || planned.count("case_sets") > 0) {
     stages = foreseen_stages(config, planned, threads);
   } else {
     const Scene scene = make_scene(config);

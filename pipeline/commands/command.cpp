@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "pipeline/commands/show.hpp"
+#include "pipeline/result/product.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/run.hpp"
 #include "pipeline/terminal/error.hpp"
@@ -105,8 +106,8 @@ void refuse_part(const std::string& file) {
 Result whole_result(const std::string& file, bool unsealed) {
   refuse_part(file);
   Result result = read_result(file, unsealed);
-  if (result.study)
-    throw Error(kFile, file + ": is a study of the integrators, without poses and answers; name a result of a scene");
+  if (const Product* product = stands_alone(result))
+    throw Error(kFile, file + ": is " + product->what + ", without poses and answers; name a result of a scene");
   return result;
 }
 

@@ -8,7 +8,6 @@
 #include "geometry/decision/meet.hpp"
 #include "pipeline/result/answer_chunk.hpp"
 #include "pipeline/result/columns.hpp"
-#include "pipeline/result/layout.hpp"
 #include "pipeline/stages/detect.hpp"
 #include "pipeline/terminal/error.hpp"
 
@@ -254,24 +253,6 @@ ExtremesDetected detect_extremes(const Bodies& bodies, const Poses& poses, const
     if (choices[c].foreign && std::ranges::any_of(all.cases[c].failed, [](std::uint8_t one) { return one != kWell; }))
       all.answers[c].foreign->reason = all.cases[c].reason;
   return all;
-}
-
-double ExtremesCount::error() const {
-  if (cases == failed) return std::numeric_limits<double>::quiet_NaN();
-  const std::uint64_t wrong = false_positive + false_negative;
-  return wrong == 0 ? 0 : double(wrong) / double(true_positive + wrong);
-}
-
-ExtremesInstability instability(const Extremes& extremes, std::size_t algorithm) {
-  ExtremesInstability out;
-  const ExtremeAnswers& said = extremes.answers[algorithm];
-  for (std::size_t s = 0; s < extremes.rows.size(); ++s) {
-    if (said.failed[s]) continue;
-    const ExtremeCase& row = extremes.rows[s];
-    out.swapped += said.swapped[s] != said.reported[s];
-    out.moved += said.moved[s] != said.reported[s] && row.truth_moved == row.truth;
-  }
-  return out;
 }
 
 }  // namespace pipeline

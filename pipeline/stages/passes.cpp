@@ -148,33 +148,4 @@ PassAnswers pass_answers(const geometry::Bodies& bodies, const Poses& poses, con
   return unknown;
 }
 
-TargetSummary summarise(const std::vector<PassRow>& rows, const PassAnswers& answers, const std::string& target) {
-  TargetSummary out;
-  std::vector<double> first;
-  for (std::size_t p = 0; p < rows.size(); ++p) {
-    if (rows[p].target != target) continue;
-    const bool met = rows[p].truth_hits > 0, reported = answers.hits[p] > 0;
-    ++out.passes;
-    out.met += met;
-    out.missed += met && !reported;
-    out.false_positives += !met && reported;
-    out.flicker += answers.flicker[p];
-    if (met && reported) first.push_back(answers.first[p]);
-  }
-  out.median = out.earliest = out.latest = std::numeric_limits<double>::quiet_NaN();
-  if (first.empty()) return out;
-  std::ranges::sort(first);
-  out.median = median(first);
-  out.earliest = first.back();
-  out.latest = first.front();
-  return out;
-}
-
-std::vector<std::string> targets(const std::vector<PassRow>& rows) {
-  std::vector<std::string> out;
-  for (const PassRow& row : rows)
-    if (std::ranges::find(out, row.target) == out.end()) out.push_back(row.target);
-  return out;
-}
-
 }  // namespace pipeline

@@ -10,16 +10,13 @@
 
 #include "geometry/bodies.hpp"
 #include "geometry/decision/meet.hpp"
+#include "pipeline/result/products/passes.hpp"
 #include "pipeline/result/result.hpp"
 #include "pipeline/scene/script.hpp"
 #include "pipeline/stages/choice.hpp"
 #include "pipeline/terminal/progress.hpp"
 
 namespace pipeline {
-
-/// How near positions are found, in metres: not further than this before the first or after the last change.
-constexpr double kTruthTolerance = 1e-9;
-constexpr double kAlgorithmTolerance = 1e-6;
 
 /// The passes with what is true of them. `poses` is S x B, the motion that holds the passes; `truth` belongs to it.
 std::vector<PassRow> pass_rows(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
@@ -32,18 +29,5 @@ std::vector<PassRow> pass_rows(const geometry::Bodies& bodies, const std::vector
 PassAnswers pass_answers(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
                          const Truth& truth, const std::vector<Pass>& passes, const std::vector<PassRow>& rows,
                          Answers& answers, const AlgorithmChoice& choice, Progress& progress);
-
-/// What an algorithm said about the passes through one target.
-struct TargetSummary {
-  std::uint64_t passes = 0, met = 0;            // how many, and how many of them truly meet
-  std::uint64_t missed = 0;                     // truly meet and are never reported
-  std::uint64_t false_positives = 0;               // never meet and are reported
-  std::uint64_t flicker = 0;                    // over all of them
-  double median = 0, earliest = 0, latest = 0;  // of PassAnswers::first, m; NaN when there is none
-};
-TargetSummary summarise(const std::vector<PassRow>& rows, const PassAnswers& answers, const std::string& target);
-
-/// The targets in the order of their first pass.
-std::vector<std::string> targets(const std::vector<PassRow>& rows);
 
 }  // namespace pipeline

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "pipeline/result/columns.hpp"
 
 namespace pipeline {
 namespace {

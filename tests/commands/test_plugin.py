@@ -1,4 +1,4 @@
-"""Methods in shared libraries: their header, examples and table, what they answer, and every way in which they go wrong."""
+"""Methods in shared libraries: their header, examples and table, what they answer, every way in which they go wrong."""
 
 import json
 import os
@@ -39,7 +39,8 @@ name = "bounding_sphere"
 def compiled(source, target, *flags):
     """The shared library `target`."""
     standard = ["-std=c99"] if source.suffix == ".c" else ["-std=c++17"]
-    command = [COMPILERS[source.suffix[1:]], *standard, "-O1", "-fPIC", "-shared", "-I", HEADER, *flags, source, "-o", target]
+    command = [COMPILERS[source.suffix[1:]], *standard, "-O1", "-fPIC", "-shared", "-I", HEADER, *flags, source, "-o",
+               target]
     subprocess.run(command, check=True)
     return target
 
@@ -58,7 +59,8 @@ def configured(folder, plugins=(), algorithms=(), name="config.toml"):
 
 @pytest.fixture(scope="session")
 def spheres(tmp_path_factory):
-    return compiled(ROOT / "algorithms/plugin/bounding_spheres.c", tmp_path_factory.mktemp("c") / "libspheres.so", "-lm")
+    return compiled(ROOT / "algorithms/plugin/bounding_spheres.c", tmp_path_factory.mktemp("c") / "libspheres.so",
+                    "-lm")
 
 
 @pytest.fixture(scope="session")
@@ -122,7 +124,8 @@ def answered(spheres, tmp_path_factory):
     """A run with the library named in its configuration, by a path relative to it."""
     folder = tmp_path_factory.mktemp("answered")
     shutil.copy(spheres, folder / "libspheres.so")
-    config = configured(folder, ["libspheres.so"], ['name = "bounding_spheres_c"', 'name = "bounding_spheres_c"\nlabel = "twice"\nscale = 2'])
+    config = configured(folder, ["libspheres.so"], ['name = "bounding_spheres_c"', 'name = "bounding_spheres_c"\nlabel '
+                                                                                   '= "twice"\nscale = 2'])
     run = pipeline("run", config, "-o", folder / "out.h5", "--quiet", cwd=folder.parent)
     assert run.returncode == DONE, run.stderr
     return folder / "out.h5"
@@ -161,7 +164,8 @@ def test_detect_adds_a_method_of_a_library(spheres, tmp_path):
         assert str(spheres) in json.loads(result.attrs["inputs_sha256"])
     # Without the library the file still shows, and its label is not asked again.
     assert pipeline("show", file).returncode == DONE
-    assert json.loads(before)["digests"]["/truth"] == json.loads(pipeline("show", file, "--json").stdout)["digests"]["/truth"]
+    after = pipeline("show", file, "--json").stdout
+    assert json.loads(before)["digests"]["/truth"] == json.loads(after)["digests"]["/truth"]
 
 
 def test_a_file_starts_no_library_by_itself(answered, spheres, tmp_path):
@@ -227,7 +231,8 @@ def test_the_methods_of_the_readme_work_as_written(tmp_path):
     for name in ["build", "ask"]:
         block = re.search(rf"<!-- {name} -->\n((?:       .*\n)+)", README)[1]
         lines = [line.strip() for line in block.splitlines() if "scripts/report" not in line]
-        done = subprocess.run(["sh", "-ec", "\n".join(lines)], cwd=tmp_path, env=surroundings, capture_output=True, text=True)
+        done = subprocess.run(["sh", "-ec", "\n".join(lines)], cwd=tmp_path, env=surroundings, capture_output=True,
+                              text=True)
         assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "results/padani.h5") as result:
         assert json.loads(result["answers/near"].attrs["knobs"]) == {"reach": 1.9}
@@ -246,7 +251,8 @@ BAD_TABLES = {
     "an own name": (['-DNAME="aabb"'], "has a row 'aabb', a name that another method has; rename it"),
     "the name of programs": (['-DNAME="program"'], "has a row 'program', a name that another method has; rename it"),
     "twice a name": (['-DSECOND_NAME="plain"'], "two rows are named 'plain'; rename one"),
-    "a blank in a name": (['-DNAME="a b"'], "row 1: name must be 1 to 64 characters of A-Z a-z 0-9 _ . [+] -, not 'a b'"),
+    "a blank in a name": (['-DNAME="a b"'], "row 1: name must be 1 to 64 characters of A-Z a-z 0-9 _ . [+] -, not 'a "
+                                            "b'"),
     "a NULL name": (["-DNAME=NULL"], "row 1: name is NULL; it must be a text"),
     "a promise beyond all": (["-DPROMISE=3"], "row 'plain': promise must be 0 to 2, not 3"),
     "no answer": (["-DANSWER=NULL"], "row 'plain': answer is NULL; it must be a function"),
@@ -271,13 +277,15 @@ BAD_TABLES = {
         "knob 'far': choices is NULL; it must list what is allowed, and end with NULL",
     ),
     "a constructor that aborts": (["-DCONSTRUCTOR=abort()"], "its table cannot be read: aborted"),
-    "a constructor that crashes": (["-DCONSTRUCTOR=*(volatile int*)0 = 1"], "its table cannot be read: crashed by signal 11"),
+    "a constructor that crashes": (["-DCONSTRUCTOR=*(volatile int*)0 = 1"], "its table cannot be read: crashed by "
+                                                                            "signal 11"),
     "a constructor that ends the process": (["-DCONSTRUCTOR=_exit(0)"], "its table cannot be read"),
     "a constructor that writes to every file": (
         ['-DCONSTRUCTOR=for (int file = 1; file < 9; ++file) if (write(file, "noise", 5)) continue'],
         "its table cannot be read; it must leave files alone that it did not open",
     ),
-    "an unknown function": (["-DCONSTRUCTOR=extern void nowhere(void); nowhere()"], "cannot be loaded .*nowhere.*; build it"),
+    "an unknown function": (["-DCONSTRUCTOR=extern void nowhere(void); nowhere()"], "cannot be loaded .*nowhere.*; "
+                                                                                    "build it"),
 }
 
 
@@ -310,12 +318,14 @@ def thirty_two_bits(path):
 BAD_FILES = {
     "a text": (lambda path: path.write_text("no library\n" * 9), "is no shared library; build one"),
     "nothing": (lambda path: path.write_bytes(b""), "is no shared library; build one"),
-    "half of one": (lambda path: path.write_bytes(path.read_bytes()[:3000]), "cannot be loaded|its table cannot be read"),
+    "half of one": (lambda path: path.write_bytes(path.read_bytes()[:3000]), "cannot be loaded|its table cannot be "
+                                                                             "read"),
     "for another processor": (other_processor, "is for aarch64, must be for x86-64; build it for this processor"),
     "for 32 bits": (thirty_two_bits, "is for i386, must be for x86-64; build it for this processor"),
     "a program": (lambda path: shutil.copy("/bin/true", path), "cannot be loaded|is no shared library"),
     "an object file": (
-        lambda path: subprocess.run(["cc", "-c", "-I", HEADER, ROOT / "tests/support/bad_table.c", "-o", path], check=True),
+        lambda path: subprocess.run(["cc", "-c", "-I", HEADER, ROOT / "tests/support/bad_table.c", "-o", path],
+                                    check=True),
         "is no shared library; link it with -shared",
     ),
     "missing": (lambda path: path.unlink(), "cannot be read .*; name a shared library"),
@@ -330,7 +340,8 @@ def test_what_is_no_library_is_one_line(case, tmp_path, spheres):
     make, message = BAD_FILES[case]
     make(path)
     config = configured(tmp_path, ["libmine.so"])
-    for command in [("list", "algorithms", "--plugin", path), ("check", config), ("run", config, "-o", tmp_path / "o.h5")]:
+    for command in [("list", "algorithms", "--plugin", path), ("check", config),
+                    ("run", config, "-o", tmp_path / "o.h5")]:
         run = pipeline(*command)
         assert (run.returncode, run.stdout) == (INPUT, "")
         assert re.search(message, one_line(run)), run.stderr
@@ -343,7 +354,8 @@ def test_a_library_that_needs_another_is_one_line(tmp_path):
     library = bad_table(tmp_path, "-L", tmp_path, "-Wl,--no-as-needed", "-lneeded")
     run = pipeline("list", "algorithms", "--plugin", library)
     assert run.returncode == INPUT
-    assert re.search(r"cannot be loaded \(libneeded.so: .*; build it for this machine, with all that it needs", one_line(run))
+    assert re.search(r"cannot be loaded \(libneeded.so: .*; build it for this machine, with all that it needs",
+                     one_line(run))
 
 
 def test_two_libraries_may_not_share_a_name(spheres, tmp_path):
