@@ -113,8 +113,12 @@ algorithms::Value knob_value(const Section& s, const algorithms::Knob& knob) {
     std::string rule = error.what();
     if (rule.starts_with("must ")) rule.erase(0, std::strlen("must "));
     const auto* text = std::get_if<std::string>(&value);
-    const std::string meant = text ? nearest(*text, knob.choices) : "";
-    s.refuse(knob.name, rule, meant.empty() ? "" : "did you mean '" + meant + "'?");
+    std::string remedy;
+    if (text && knob.role == algorithms::Role::prefilter && algorithms::find(*text))
+      remedy = "a method of a library answers in a process of its own and cannot filter for another";
+    else if (const std::string meant = text ? nearest(*text, knob.choices) : ""; !meant.empty())
+      remedy = "did you mean '" + meant + "'?";
+    s.refuse(knob.name, rule, remedy);
   }
 }
 
@@ -175,6 +179,7 @@ AlgorithmChoice program_choice(const Section& s, const std::filesystem::path& fo
 AlgorithmChoice algorithm_choice(const Section& s, Containment containment, const std::filesystem::path& folder) {
   std::vector<std::string> names;
   for (const algorithms::Algorithm& a : algorithms::all()) names.push_back(a.name);
+  for (const algorithms::Algorithm& a : algorithms::added()) names.push_back(a.name);
   names.push_back(program_row().name);
   if (!s.has("name")) s.fail("missing key '" + s.full("name") + "'; " + hint("", names));
   const std::string name = s.text("name", "");
@@ -190,6 +195,8 @@ AlgorithmChoice algorithm_choice(const Section& s, Containment containment, cons
 
   std::vector<std::string> known{"name", "label", "optional"};
   for (const algorithms::Knob& knob : row->knobs) known.push_back(knob.name);
+  const bool foreign = !row->library.sha256.empty();
+  if (foreign) known.insert(known.end(), kBudgetKeys.begin(), kBudgetKeys.end());
   s.only(known);
   AlgorithmChoice choice{.name = name, .label = s.text("label", name), .knobs = algorithms::presets(*row)};
   if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
@@ -197,17 +204,38 @@ AlgorithmChoice algorithm_choice(const Section& s, Containment containment, cons
     if (knob.role == algorithms::Role::containment) choice.knobs[knob.name] = containment == Containment::meet;
     if (s.has(knob.name)) choice.knobs[knob.name] = knob_value(s, knob);
   }
+  if (foreign) choice.foreign = std::make_shared<Foreign>(library(*row, choice.knobs, read_budget(s)));
   return choice;
 }
 
 /// What a table needs that is not here, where it may be left out for it; else empty. That is so with optional = true,
-/// or where a result was read that another build made or that names programs: it may be anybody's, and starts none.
-std::string lacks(const Section& s, bool recorded) {
+/// or where a result was read that another build made or that names programs and libraries: they may be anybody's, and
+/// it starts none.
+std::string lacks(const Section& s, const Config& config, bool recorded) {
   const std::string name = s.text("name", "");
   if (recorded && name == program_row().name)
     return "its program, which no result starts by itself; give it with --algorithm program:command=...";
   const algorithms::Algorithm* missing = algorithms::find_missing(name);
-  return missing && (s.boolean("optional", false) || recorded) ? algorithms::remedy(*missing) : "";
+  if (missing && (s.boolean("optional", false) || recorded)) return algorithms::remedy(*missing);
+  if (!recorded || config.plugins.empty() || algorithms::find(name)) return "";
+  std::string libraries;
+  for (const Plugin& plugin : config.plugins)
+    libraries += (libraries.empty() ? "" : " or ") + one_line(plugin.written, 200);
+  return "its library, which no result starts by itself; give it with --plugin (" + libraries + ")";
+}
+
+/// The libraries, whose rows join the table unless `recorded`.
+std::vector<Plugin> read_plugins(const Section& root, const std::filesystem::path& folder, bool recorded) {
+  std::vector<Plugin> out;
+  if (!root.has("plugin")) return out;
+  for (const Section& s : root.sections("plugin")) {
+    s.only({"path"});
+    if (!s.has("path")) s.fail("missing key '" + s.full("path") + "'; write path = \"libmine.so\"");
+    const std::string path = s.text("path", "");
+    if (path.empty()) s.refuse("path", "name a shared library");
+    out.push_back(recorded ? Plugin{path, {}, {}} : add_plugin(path, folder, s.place("path")));
+  }
+  return out;
 }
 
 /// `recorded`: of a result.
@@ -221,7 +249,7 @@ std::vector<AlgorithmChoice> algorithm_choices(const Section& root, Config& conf
   std::set<std::string> taken;
   std::vector<std::string> missing;
   for (const Section& s : root.sections("algorithm")) {
-    if (const std::string lacking = lacks(s, recorded); !lacking.empty()) {
+    if (const std::string lacking = lacks(s, config, recorded); !lacking.empty()) {
       missing.push_back("algorithm '" + s.text("label", s.text("name", "")) + "' is left out: it needs " + lacking);
       continue;
     }
@@ -291,6 +319,10 @@ std::string effective(const Config& c) {
   if (c.gap_margin) out.line("gap_margin", *c.gap_margin);
   out.table("[timing]");
   out.line("repeats", c.repeats);
+  for (const Plugin& plugin : c.plugins) {
+    out.table("[[plugin]]");
+    out.line("path", plugin.written);
+  }
   for (const AlgorithmChoice& a : c.algorithms) {
     out.table("[[algorithm]]");
     out.line("name", a.name);
@@ -321,8 +353,11 @@ std::string bytes_of(const std::filesystem::path& path) {
   }
 }
 
-/// `recorded`: it is the effective configuration of a result.
-Config read_document(const Document& document, const std::filesystem::path& path, bool recorded) {
+/// What a configuration is read from: a file, whose libraries are looked at; a text; or a result.
+enum class From { file, text, result };
+
+Config read_document(const Document& document, const std::filesystem::path& path, From from,
+                     std::vector<Plugin> plugins = {}) {
   const Section root(document);
   Config config;
   config.path = path;
@@ -332,7 +367,7 @@ Config read_document(const Document& document, const std::filesystem::path& path
     config.effective = effective(config);
     return config;
   }
-  root.only({"title", "seed", "steps", "rate", "scene", "physics", "truth", "timing", "algorithm"});
+  root.only({"title", "seed", "steps", "rate", "scene", "physics", "truth", "timing", "plugin", "algorithm"});
   config.seed = root.integer("seed", config.seed, 0);
   if (root.has("seed")) config.seed_place = root.place("seed");
   config.steps = root.integer("steps", config.steps, 1, kMostSteps);
@@ -347,18 +382,22 @@ Config read_document(const Document& document, const std::filesystem::path& path
   read_physics(root.section("physics"), config);
   read_truth(root.section("truth"), config);
   config.repeats = root.section("timing").only({"repeats"}).integer("repeats", config.repeats, 1, kMostRepeats);
-  config.algorithms = algorithm_choices(root, config, recorded);
+  config.plugins = std::move(plugins);
+  for (Plugin& plugin : read_plugins(root, path.parent_path(), from != From::file))
+    if (from != From::file || std::ranges::find(config.plugins, plugin.path, &Plugin::path) == config.plugins.end())
+      config.plugins.push_back(std::move(plugin));
+  config.algorithms = algorithm_choices(root, config, from == From::result);
   config.effective = effective(config);
   return config;
 }
 
 Config parsed(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets,
-              bool recorded) {
+              From from, std::vector<Plugin> plugins = {}) {
   const std::string file = one_line(path.string(), 4096);
   if (text.size() > kMostBytes) throw Error(kInput, file + ": a configuration must be at most 16 MiB long, not more");
   Document document(text, file);
   for (const std::string& set : sets) document.set(set);
-  Config config = read_document(document, path, recorded);
+  Config config = read_document(document, path, from, std::move(plugins));
   config.text = text;
   return config;
 }
@@ -369,30 +408,32 @@ std::vector<AskedKey> asked_keys(const std::string& text) {
   std::vector<AskedKey> keys;
   Document document(text, "example");
   document.listen([&](const AskedKey& key) { keys.push_back(key); });
-  read_document(document, "example.toml", false);
+  read_document(document, "example.toml", From::text);
   return keys;
 }
 
 Config parse_config(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets) {
-  return parsed(text, path, sets, false);
+  return parsed(text, path, sets, From::text);
 }
 
 Config recorded_config(const std::string& effective, const std::string& file) {
   try {
-    return parsed(effective, file + ": /config@effective", {}, true);
+    return parsed(effective, file + ": /config@effective", {}, From::result);
   } catch (const Error& error) {
     throw Error(kFile, error.what());  // nobody wrote it: it is part of the file
   }
 }
 
-Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets) {
-  Config config = parse_config(bytes_of(path), path, sets);
+Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets,
+                   const std::vector<std::string>& plugins) {
+  Config config = parsed(bytes_of(path), path, sets, From::file, add_plugins(plugins));
   if (config.scene_kind) refuse_idle_seed(config);
   if (config.scene_kind && config.scene_kind->complete) {
     config.scene_kind->complete(config);
     config.effective = effective(config);
   }
   find_files(config.algorithms);
+  for (const Plugin& plugin : config.plugins) config.inputs[plugin.written] = plugin.sha256;
   for (const AlgorithmChoice& choice : config.algorithms)
     if (choice.foreign) config.inputs.insert(choice.foreign->files.begin(), choice.foreign->files.end());
   return config;

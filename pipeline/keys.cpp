@@ -122,6 +122,7 @@ constexpr KeyText kTexts[] = {
     {"truth.gap", "1", "bounds on the distance of near pairs that do not meet"},
     {"truth.gap_margin", "m", "how near; with gap = true"},
     {"timing.repeats", "1", "passes of every method over a step: the fastest and the median are kept"},
+    {"plugin.N.path", "1", "shared library of methods, relative to the configuration (algorithms/README.md)", true},
     {"algorithm.N.name", "1", "`pipeline list algorithms`; its knobs are further keys", true},
     {"algorithm.N.label", "1", "name of its answers; without it that of the algorithm"},
     {"algorithm.N.optional", "1", "left out, and said, by a build without its library"},
@@ -191,7 +192,7 @@ std::vector<Example> examples() {
     const auto [first, last] = kMore.equal_range(kind.name);
     const std::string head = "[scene]\nkind = '" + kind.name + "'\n",
                       tail =
-                          "[truth]\ngap = true\n[[algorithm]]\nname = 'aabb'\n"
+                          "[truth]\ngap = true\n[[plugin]]\npath = 'libmine.so'\n[[algorithm]]\nname = 'aabb'\n"
                           "[[algorithm]]\nname = 'program'\ncommand = ['x']\n";
     if (first == last) out.push_back({kind.name, head + tail});
     for (auto more = first; more != last; ++more) out.push_back({kind.name, head + more->second + tail});

@@ -113,6 +113,7 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
 void refuse_own_input(const Config& config, const fs::path& output) {
   std::vector<fs::path> read = {config.path};
   for (const auto& [file, hash] : config.inputs) read.push_back(config.path.parent_path() / file);
+  for (const Plugin& plugin : config.plugins) read.push_back(plugin.path);
   for (const fs::path& file : read)
     if (std::error_code none; fs::equivalent(file, output, none))
       throw Error(kFile, output.string() + ": is read by this run; choose another -o");
@@ -226,6 +227,7 @@ Result run(const Config& config, const RunOptions& options) {
 }
 
 Result detect_again(const fs::path& file, const std::vector<std::string>& arguments, const RunOptions& options) {
+  add_plugins(options.plugins);
   for (const std::string& argument : arguments) parse_algorithm(argument);  // mistakes are said before the file is read
   std::error_code missing;
   const fs::path real = fs::canonical(file, missing);  // a link stays one
@@ -313,6 +315,10 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     result.answers[at] = std::move(answers);
   }
   make_products(result);
+  nlohmann::json inputs = nlohmann::json::parse(result.provenance.inputs_sha256);
+  for (const AlgorithmChoice& choice : choices)
+    if (choice.foreign) inputs.update(nlohmann::json(choice.foreign->files));
+  result.provenance.inputs_sha256 = inputs.dump();
   store(result, target, options.quiet, forecast);
   return result;
 }

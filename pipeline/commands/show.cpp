@@ -165,8 +165,8 @@ std::string result_text(const Result& result, bool digests) {
   text +=
       "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
       "per step\n\n";
-
   text += foreign_text(result);
+
   for (const Product& product : products())
     if (product.text && product.has(result)) text += product.text(result);
 

@@ -216,8 +216,12 @@ std::map<std::string, About> refuse_unfit(const Bodies& bodies, const std::vecto
       const Entry entry = set_up(bodies, choice);
       if (entry.foreign) abouts[choice.label] = entry.foreign->about();
     } catch (const Fault& fault) {
-      throw Error(kInput, "algorithm '" + choice.label + "': " + choice.foreign->transport + " \"" +
-                              text_of(choice.foreign->command) + "\" does not say hello: " + fault.what());
+      const std::string command = text_of(choice.foreign->command);
+      throw Error(kInput,
+                  "algorithm '" + choice.label + "': " +
+                      (command.empty() ? "cannot be set up: "
+                                       : choice.foreign->transport + " \"" + command + "\" does not say hello: ") +
+                      fault.what());
     }
   }
   return abouts;
@@ -237,7 +241,8 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     answers.thesis_key = row.thesis_key;
     answers.operations_unit = row.operations_unit;
     answers.scope = algorithms::text(row.scope);
-    if (!row.library.name.empty()) answers.library = row.library.name + " " + row.library.version;
+    if (!row.library.name.empty())
+      answers.library = row.library.name + (row.library.version.empty() ? "" : " " + row.library.version);
     if (choice.foreign) {
       answers.foreign.emplace().transport = choice.foreign->transport;
       answers.foreign->command = text_of(choice.foreign->command);

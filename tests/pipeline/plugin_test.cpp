@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 
 #include "algorithms/contract/algorithm.hpp"
@@ -57,6 +58,22 @@ TEST(Plugin, OneThatChangedSinceItsTableWasReadIsNotAnswered) {
   } catch (const std::runtime_error& error) {
     EXPECT_STREQ(error.what(), "mine.so is another file than when its table was read");
   }
+}
+
+TEST(Plugin, OneThatHangsWhenItIsLoadedIsGivenUp) {
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    add_plugin(plugins::path_of("hanging_plugin"), "", "here", {.processor_seconds = 5, .wall_seconds = 0.2});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), kInput);
+    EXPECT_NE(std::string(error.what()).find("its table cannot be read: more than 0.2 s of wall time; nothing may go"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "no child is left";
+  EXPECT_EQ(find("plain"), nullptr);
 }
 
 // Every step of a recorded motion, pair by pair, in the order in which the runs ask.
