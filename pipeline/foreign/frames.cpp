@@ -91,10 +91,10 @@ std::string content_of(std::uint32_t step, double enlarge, std::span<const Pose>
   return out.bytes;
 }
 
-Question question_in(std::string_view content, std::size_t bodies) {
+QuestionFrame question_in(std::string_view content, std::size_t bodies) {
   if (content.size() < kQuestionHead) throw Fault("a question of " + whole(content.size()) + " bytes has no head");
   Reader in(content);
-  Question out;
+  QuestionFrame out;
   out.step = in.get<std::uint32_t>();
   const std::size_t runs = in.get<std::uint32_t>();
   out.enlarge = in.get<double>();

@@ -29,8 +29,8 @@ Evaluation of_cases(const Question& question, const std::vector<AlgorithmChoice>
   return out;
 }
 
-Passes of_passes(const Question& question, const std::vector<AlgorithmChoice>& choices,
-                 const std::vector<Answers>& answers, bool quiet, Forecast& forecast) {
+Passes of_passes(const Question& question, const std::vector<AlgorithmChoice>& choices, std::vector<Answers>& answers,
+                 bool quiet, Forecast& forecast) {
   const auto& [bodies, poses, truth, scene, known] = question;
   const Passes* before = known.find<Passes>();
   Progress progress("passes", scene.passes.size() * ((before ? 0 : 1) + answers.size()), quiet, &forecast, "pass");

@@ -80,7 +80,7 @@ TEST(Frames, AQuestionHasTheWrittenLayout) {
   EXPECT_EQ(content.size(), 16u + 2 * 56 + 12);
   EXPECT_EQ(content.substr(content.size() - 12), little(0u) + little(1u) + little(2u));
 
-  const Question back = question_in(content, 2);
+  const QuestionFrame back = question_in(content, 2);
   EXPECT_EQ(back.step, 7u);
   EXPECT_EQ(back.enlarge, 0x1p-40);
   EXPECT_TRUE(std::signbit(back.poses[0].t.z())) << "bit for bit";
@@ -168,7 +168,7 @@ TEST(Frames, AnyBytesGiveAValueOrAFault) {
     }
     try {
       const std::size_t bodies = random() % 3;
-      const Question question = question_in(bytes, bodies);
+      const QuestionFrame question = question_in(bytes, bodies);
       EXPECT_EQ(question.poses.size(), bodies);
       const std::string again = content_of(question.step, question.enlarge, question.poses, question.runs);
       EXPECT_EQ(again, bytes);
