@@ -52,7 +52,7 @@ class Host {
 
  private:
   Reply hits(bool counts, std::string_view content) {
-    const Question question = question_in(content, bodies_);
+    const QuestionFrame question = question_in(content, bodies_);
     Reply out;
     out.hits.reserve(most_hits_);
     if (counts) {

@@ -33,6 +33,11 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   const double roots = std::sqrt(tp + fp) * std::sqrt(tp + fn) * std::sqrt(tn + fp) * std::sqrt(tn + fn);
   row.matthews = std::clamp(ratio(tp * tn - fp * fn, roots), -1.0, 1.0);  // roots round; NaN stays
 
+  if (failed(answers)) {  // known of some steps only: no figure of the run
+    row.error = row.precision = row.recall = row.matthews = std::numeric_limits<double>::quiet_NaN();
+    row.time_mean_ns = row.time_median_ns = row.time_p95_ns = row.error;
+    return row;
+  }
   std::vector<std::int64_t> times = answers.time_ns;
   std::sort(times.begin(), times.end());
   const std::size_t n = times.size();
@@ -45,10 +50,11 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   return row;
 }
 
-std::uint64_t judged_pairs(const Result& result) {
+std::uint64_t judged_pairs(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
+                           const Truth& truth) {
   std::uint64_t pairs = 0;
-  for (const auto& step : result.motion) pairs += geometry::pair_count(geometry::pair_runs(result.bodies, step));
-  return result.truth.containment == Containment::record ? pairs - result.truth.contained.pair.size() : pairs;
+  for (const auto& step : poses) pairs += geometry::pair_count(geometry::pair_runs(bodies, step));
+  return truth.containment == Containment::record ? pairs - truth.contained.pair.size() : pairs;
 }
 
 }  // namespace pipeline
