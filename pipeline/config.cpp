@@ -12,6 +12,7 @@
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/study/study.hpp"
 #include "pipeline/system/file_bytes.hpp"
+#include "pipeline/system/pinned.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 
@@ -217,6 +218,8 @@ std::string effective(const Config& c) {
   if (c.gap_margin) out.line("gap_margin", *c.gap_margin);
   out.table("[timing]");
   out.line("repeats", c.repeats);
+  out.line("noise", c.noise);
+  if (c.pin) out.line("pin", *c.pin);
   for (const AlgorithmChoice& a : c.algorithms) {
     out.table("[[algorithm]]");
     out.line("name", a.name);
@@ -224,6 +227,17 @@ std::string effective(const Config& c) {
     for (const auto& [knob, value] : a.knobs) out.line(knob, value);
   }
   return out.text;
+}
+
+/// Of a recorded configuration the processor may be another machine's.
+void read_timing(const Section& timing, Config& config, bool recorded) {
+  timing.only({"repeats", "noise", "pin"});
+  config.repeats = timing.integer("repeats", config.repeats, 1, kMostRepeats);
+  config.noise = timing.boolean("noise", config.noise);
+  if (!timing.has("pin")) return;
+  config.pin = timing.integer("pin", 0, 0);
+  if (!recorded && !has_processor(*config.pin))
+    timing.refuse("pin", "be a processor that this program may use (" + processors_text() + ")", "or leave it out");
 }
 
 /// A seed from which nothing is drawn must not look as if it made a run of its own. The preset only says what is so
@@ -278,7 +292,7 @@ Config parsed(const std::string& text, const std::filesystem::path& path, const 
   }
   read_physics(root.section("physics"), config);
   read_truth(root.section("truth"), config);
-  config.repeats = root.section("timing").only({"repeats"}).integer("repeats", config.repeats, 1, kMostRepeats);
+  read_timing(root.section("timing"), config, recorded);
   config.algorithms = algorithm_choices(root, config, recorded);
   config.effective = effective(config);
   return config;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "pipeline/amended.hpp"
 #include "pipeline/plan.hpp"
 #include "pipeline/result/checkpoint.hpp"
 #include "pipeline/result/provenance.hpp"
@@ -15,11 +16,13 @@
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/detect.hpp"
 #include "pipeline/stages/extremes.hpp"
+#include "pipeline/stages/interval.hpp"
 #include "pipeline/stages/motion.hpp"
 #include "pipeline/stages/passes.hpp"
 #include "pipeline/stages/summary.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/study/study.hpp"
+#include "pipeline/system/pinned.hpp"
 #include "pipeline/system/threads.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
@@ -58,14 +61,36 @@ void describe(Result& result, const Config& config, Provenance from, std::chrono
   result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// What algorithms answer about a motion and its truth; of extremes, which have `sets`, also case by case.
-ExtremesDetected answered(const Result& result, const std::vector<CaseSet>& sets,
-                          const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Checkpoint* part,
-                          bool quiet, Forecast& forecast) {
+/// The noise floor, from the answers of the first label and of the same once more.
+Noise noise_of(const Answers& first, const Answers& again) {
+  const Interval ratio = ratio_interval(again.time_ns, first.time_ns);
+  return {first.label, again.time_ns, ratio.value, ratio.low, ratio.high};
+}
+
+/// What algorithms answer about the motion and truth of `result`, timed as `config` says; of extremes, which have
+/// `sets`, also case by case. The noise floor is put into the result, where it is asked for.
+ExtremesDetected answered(Result& result, const std::vector<CaseSet>& sets, const std::vector<AlgorithmChoice>& choices,
+                          const Config& config, const Checkpoint* part, bool quiet, Forecast& forecast) {
+  const Pinned pinned(config.pin);
+  Machine here = machine();
+  here.pinned = pinned.processor();
+  if (config.pin && pinned.processor() < 0)
+    std::fprintf(stderr, "warning: there is no processor %lld here, as the configuration has it; timed on any\n",
+                 static_cast<long long>(*config.pin));
+  else if (config.pin && !quiet)
+    std::fprintf(stderr, "timed on processor %lld\n", static_cast<long long>(pinned.processor()));
   Progress progress("detect", result.steps(), quiet, &forecast);
-  if (sets.empty())
-    return {detect(result.bodies, result.motion, result.truth, choices, repeats, machine(), part, progress), {}};
-  return detect_extremes(result.bodies, result.motion, result.truth, sets, choices, repeats, machine(), part, progress);
+  if (!sets.empty())
+    return detect_extremes(result.bodies, result.motion, result.truth, sets, choices, config.repeats, here, part,
+                           progress);
+  const bool noise = config.noise && !choices.empty();
+  std::vector<Answers> answers =
+      detect(result.bodies, result.motion, result.truth, choices, config.repeats, here, part, progress, noise);
+  if (noise) {
+    result.noise = noise_of(answers.front(), answers.back());
+    answers.pop_back();
+  }
+  return {std::move(answers), {}};
 }
 
 /// Digest, file and its place.
@@ -190,8 +215,7 @@ Result run(const Config& config, const RunOptions& options) {
     result.extremes.emplace().rows =
         extreme_rows(result.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
   }
-  ExtremesDetected found =
-      answered(result, scene.case_sets, config.algorithms, config.repeats, &part, options.quiet, forecast);
+  ExtremesDetected found = answered(result, scene.case_sets, config.algorithms, config, &part, options.quiet, forecast);
   result.answers = std::move(found.answers);
   give_back();
   if (result.extremes) result.extremes->answers = std::move(found.cases);
@@ -217,18 +241,8 @@ Result run(const Config& config, const RunOptions& options) {
 
 Result detect_again(const fs::path& file, const std::vector<std::string>& arguments, const RunOptions& options) {
   for (const std::string& argument : arguments) parse_algorithm(argument);  // mistakes are said before the file is read
-  std::error_code missing;
-  const fs::path real = fs::canonical(file, missing);  // a link stays one
-  if (missing) read_result(file, options.unsealed);    // throws what is wrong
-  OutputFile target(real, Existing::update);
-  Result result = read_result(real, options.unsealed);
-  if (!result.foreign.empty())
-    throw Error(
-        kFile, file.string() + ": holds '" + one_line(result.foreign.front()) +
-                   "', which is not this program's and would be lost; take it out first, or work on a copy without it");
-  if (result.study)
-    throw Error(kFile,
-                file.string() + ": is a study of the integrators, without poses to answer; name a result of a scene");
+  Amended amended(file, options.unsealed);
+  Result& result = amended.result;
   const Config config = recorded_config(result.config_effective, file.string());
   result.bodies.closed_within = config.closed_within;
   std::vector<AlgorithmChoice> choices;
@@ -240,15 +254,9 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
       throw Error(kInput, file.string() + ": this build has none of its algorithms; name others with --algorithm");
   }
 
-  const auto index_of = [&](const std::string& label) {
-    const auto same = [&](const Answers& answers) { return answers.label == label; };
-    return std::find_if(result.answers.begin(), result.answers.end(), same) - result.answers.begin();
-  };
   for (std::size_t i = 0; i < choices.size(); ++i) {
     const std::string& label = choices[i].label;
-    if (index_of(label) < std::ptrdiff_t(result.answers.size()) && !options.force)
-      throw Error(kFile, file.string() + ": has answers labelled '" + label +
-                             "' already; --force replaces them, or give another label with @LABEL");
+    if (!options.force) amended.refuse_label(label, "@LABEL");
     for (std::size_t j = 0; j < i; ++j)
       if (choices[j].label == label)
         throw Error(kInput, "--algorithm: the label '" + label + "' is given twice; name another with @LABEL");
@@ -268,40 +276,21 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     forecast = Forecast(foreseen_stages(result.bodies, result.motion, choices, config.repeats,
                                         result.passes ? result.passes->rows.size() : 0, planned, kTrial));
   }
-  ExtremesDetected found = answered(result, sets, choices, config.repeats, nullptr, options.quiet, forecast);
+  ExtremesDetected found = answered(result, sets, choices, config, nullptr, options.quiet, forecast);
   std::vector<Answers>& fresh = found.answers;
   std::vector<PassAnswers> fresh_passes;
   if (result.passes) {
-    // The file holds where the hero was at its samples; where it was between them its configuration says.
-    const std::vector<Pass> passes = config.scene_kind->make(config).passes;
-    const auto same = [&](const Pass& pass, const PassRow& row) {
-      return std::uint64_t(pass.first_step) == row.first_step && std::uint64_t(pass.samples) == row.samples &&
-             row.samples <= result.steps() && row.first_step <= result.steps() - row.samples;
-    };
-    if (!std::ranges::equal(passes, result.passes->rows, same))
-      throw Error(kFile, file.string() + ": its passes are not those of its configuration; run again with --force");
+    const std::vector<Pass> passes = amended.passes(config);
     Progress progress("passes", passes.size() * fresh.size(), options.quiet, &forecast, "pass");
     for (std::size_t a = 0; a < fresh.size(); ++a)
       fresh_passes.push_back(pass_answers(result.bodies, result.motion, result.truth, passes, result.passes->rows,
                                           fresh[a], choices[a], progress));
   }
-  const std::uint64_t pairs = judged_pairs(result);
-  for (std::size_t i = 0; i < fresh.size(); ++i) {
-    Answers& answers = fresh[i];
-    const std::size_t at = std::size_t(index_of(answers.label));
-    if (at == result.answers.size()) {
-      result.answers.emplace_back();
-      result.summary.emplace_back();
-      if (result.passes) result.passes->answers.emplace_back();
-      if (result.extremes) result.extremes->answers.emplace_back();
-    }
-    if (result.passes) result.passes->answers[at] = std::move(fresh_passes[i]);
-    if (result.extremes) result.extremes->answers[at] = std::move(found.cases[i]);
-    result.summary[at] = summarise(answers, pairs);
-    result.answers[at] = std::move(answers);
-  }
-  store(result, target, options.quiet, forecast);
-  return result;
+  for (std::size_t i = 0; i < fresh.size(); ++i)
+    amended.put(std::move(fresh[i]), result.passes ? std::optional(std::move(fresh_passes[i])) : std::nullopt,
+                result.extremes ? std::optional(std::move(found.cases[i])) : std::nullopt);
+  store(result, amended.target, options.quiet, forecast);
+  return std::move(result);
 }
 
 std::vector<std::string> failures(const Result& result) {

@@ -41,10 +41,52 @@ std::string aligned(const std::vector<std::vector<std::string>>& rows) {
 }
 
 std::string time_text(double ns) {
+  if (std::isnan(ns)) return "-";
   if (ns < 1e3) return print("%.0f ns", ns);
   if (ns < 1e6) return print("%.2f us", ns * 1e-3);
   if (ns < 1e9) return print("%.3f ms", ns * 1e-6);
   return print("%.3f s", ns * 1e-9);
+}
+
+/// "66.1 us to 70.3 us", or "-" where there is none.
+std::string interval_text(const std::optional<double>& low, const std::optional<double>& high) {
+  if (!low || !high || std::isnan(*low) || std::isnan(*high)) return "-";
+  return time_text(*low) + " to " + time_text(*high);
+}
+
+std::string heap_text(const std::optional<double>& bytes) {
+  return bytes && *bytes >= 0 ? bytes_text(std::uint64_t(*bytes)) : "-";
+}
+
+/// What makes times doubtful, and what they differ by anyway; a line each.
+std::string times_text(const Result& result) {
+  constexpr double kDisturbed = 1.02;  // of the processor's time: more wall time than that was not the algorithm's
+  std::string text, disturbed, few, pinned;
+  const auto add = [](std::string& list, const std::string& label) { list += (list.empty() ? "" : ", ") + label; };
+  for (std::size_t a = 0; a < result.answers.size(); ++a) {
+    const Summary& row = result.summary[a];
+    const std::string& label = result.answers[a].label;
+    const double share = row.time_mean_ns / row.processor_mean_ns.value_or(row.time_mean_ns);
+    if (share > kDisturbed) add(disturbed, label + print(" by %.1f %%", 100 * (share - 1)));
+    if (row.time_mean_ns > row.time_p95_ns) add(few, label);
+    const std::string number = std::to_string(result.answers[a].machine.pinned);
+    if (result.answers[a].machine.pinned >= 0 && pinned.find(number) == std::string::npos) add(pinned, number);
+  }
+  if (!pinned.empty()) text += "timed on processor " + pinned + " alone\n";
+  if (result.noise)
+    text +=
+        std::isnan(result.noise->low)
+            ? print("noise floor: %s timed twice has a ratio of %.3f; too few steps for its interval\n",
+                    result.noise->label.c_str(), result.noise->ratio)
+            : print("noise floor: %s timed twice has a ratio of %.3f (%.3f to %.3f); no smaller one is a difference\n",
+                    result.noise->label.c_str(), result.noise->ratio, result.noise->low, result.noise->high);
+  if (!disturbed.empty())
+    text +=
+        "DISTURBED: the wall time is above the processor's own, of " + disturbed + "; time again on an idle machine\n";
+  if (!few.empty())
+    text +=
+        "the mean time lies above its 95th percentile, of " + few + ": a few steps or a disturbance take most of it\n";
+  return text.empty() ? "" : text + "\n";
 }
 
 std::string share_text(double value) { return std::isnan(value) ? "-" : print("%.4f", value); }
@@ -316,8 +358,8 @@ std::string result_text(const Result& result, bool digests) {
   text += "\n";
 
   std::vector<std::vector<std::string>> rows = {{"algorithm", "key", "scope", "error", "false positive",
-                                                 "false negative", "hits", "mean time", "p95 time", "operations",
-                                                 "promise"}};
+                                                 "false negative", "hits", "mean time", "95 % interval", "p95 time",
+                                                 "set-up", "memory", "operations", "promise"}};
   const bool counts_contained = result.truth.containment == Containment::record;
   if (counts_contained) rows[0].push_back("contained hits");
   for (std::size_t a = 0; a < result.answers.size(); ++a) {
@@ -325,14 +367,17 @@ std::string result_text(const Result& result, bool digests) {
     const Summary& row = result.summary[a];
     rows.push_back({answers.label, answers.thesis_key, answers.scope, share_text(row.error),
                     std::to_string(row.false_positive), std::to_string(row.false_negative), std::to_string(row.hits),
-                    time_text(row.time_mean_ns), time_text(row.time_p95_ns), std::to_string(row.operations),
+                    time_text(row.time_mean_ns), interval_text(row.time_mean_low_ns, row.time_mean_high_ns),
+                    time_text(row.time_p95_ns), time_text(row.setup_ns.value_or(Costs::kUnknown)),
+                    heap_text(row.memory_greatest_bytes), std::to_string(row.operations),
                     answers.promise == "none" ? "-" : answers.promise + (row.promise_kept ? " kept" : " BROKEN")});
     if (counts_contained) rows.back().push_back(std::to_string(row.contained_hit.value_or(0)));
   }
   text += aligned(rows);
   text +=
       "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
-      "per step\n\n";
+      "per step, set-up is once; memory is heap at the most\n\n";
+  text += times_text(result);
 
   if (result.passes && !result.answers.empty()) text += passes_text(result);
   if (result.extremes && !result.answers.empty()) text += extremes_text(result);
@@ -378,6 +423,8 @@ std::string result_json(const Result& result, const std::string& path) {
                                   {"scope", answers.scope},
                                   {"operations_unit", answers.operations_unit},
                                   {"library", answers.library}});
+    if (answers.foreign) json["algorithms"].back()["transport"] = answers.foreign->transport;
+    if (answers.machine.pinned >= 0) json["algorithms"].back()["pinned"] = answers.machine.pinned;
     each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
       if constexpr (!is_optional<T>)
         json["algorithms"].back()[column.name] = row.*column.member;
@@ -385,6 +432,11 @@ std::string result_json(const Result& result, const std::string& path) {
         json["algorithms"].back()[column.name] = *(row.*column.member);
     });
   }
+  if (result.noise)
+    json["noise"] = {{"label", result.noise->label},
+                     {"ratio", result.noise->ratio},
+                     {"ratio_low", result.noise->low},
+                     {"ratio_high", result.noise->high}};
   if (result.passes) json["passes"] = passes_json(result);
   if (result.extremes) json["extremes"] = extremes_json(result);
   json["provenance"] = provenance_json(result.provenance);

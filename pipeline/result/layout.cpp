@@ -7,6 +7,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstring>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -69,6 +70,12 @@ Dataset texts(std::string path, std::vector<std::string> values, const std::vect
   return dataset;
 }
 
+/// What stands for a value that a row does not have.
+template <typename T>
+constexpr T kAbsent{};
+template <>
+constexpr double kAbsent<double> = std::numeric_limits<double>::quiet_NaN();
+
 /// A column of rows.
 template <typename Row, typename T, typename Stored>
 Dataset of_rows(const std::string& group, const Column<Row, T, Stored>& column, const std::vector<Row>& rows,
@@ -76,7 +83,7 @@ Dataset of_rows(const std::string& group, const Column<Row, T, Stored>& column, 
   std::vector<Stored> values;
   for (const Row& one : rows) {
     if constexpr (is_optional<T>)
-      values.push_back(static_cast<Stored>((one.*column.member).value_or(Stored{})));
+      values.push_back(static_cast<Stored>((one.*column.member).value_or(kAbsent<Stored>)));
     else
       values.push_back(static_cast<Stored>(one.*column.member));
   }
@@ -349,7 +356,23 @@ Group answers(const Answers& answers, const Sizes& n) {
                                                      {"status", std::string(failed(answers) ? "failed" : "complete")},
                                                      {"reason", foreign->reason},
                                                      {"steps_done", foreign->steps_done}});
+  if (answers.machine.pinned >= 0) group.attributes.push_back({"pinned", answers.machine.pinned});
+  const auto cost = [&](const char* name, double value) {
+    if (!std::isnan(value)) group.attributes.push_back({name, static_cast<std::int64_t>(value)});
+  };
+  cost("setup_ns", answers.costs.setup_ns);
+  cost("memory_bytes", answers.costs.memory_bytes);
+  cost("memory_greatest_bytes", answers.costs.memory_greatest_bytes);
   add_pairs(group, answers.hits, "pairs of bodies that the algorithm reported", n);
+  return group;
+}
+
+Group noise(const Noise& noise, const Sizes& n) {
+  Group group{"/noise",
+              {{"label", noise.label}, {"ratio", noise.ratio}, {"ratio_low", noise.low}, {"ratio_high", noise.high}},
+              {}};
+  group.datasets.push_back(viewed("/noise/time_ns", std::span(noise.time_ns), {n.step}, "ns",
+                                  "fastest repeat of the step of the label, timed a second time"));
   return group;
 }
 
@@ -466,6 +489,7 @@ std::vector<Group> layout(const Result& result) {
     for (const Answers& one : result.answers) groups.push_back(answers(one, n));
     groups.push_back(summary(result, n));
   }
+  if (result.noise) groups.push_back(noise(*result.noise, n));
   if (result.passes) groups.push_back(passes(*result.passes, n));
   if (result.extremes) groups.push_back(extremes(*result.extremes, n));
   groups.push_back(run(result.provenance));

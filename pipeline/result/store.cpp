@@ -333,6 +333,14 @@ std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::
     if (from.has_attribute(path, "library")) answers.library = text("library");
     if (from.has_attribute(path, "transport")) answers.foreign = read_facts(from, path, steps);
     answers.machine = {text("host"), text("processor"), text("build"), text("date")};
+    const auto whole = [&](const char* name, auto& value) {
+      using T = std::remove_reference_t<decltype(value)>;
+      if (from.has_attribute(path, name)) value = static_cast<T>(from.attribute<std::int64_t>(path, name));
+    };
+    whole("pinned", answers.machine.pinned);
+    whole("setup_ns", answers.costs.setup_ns);
+    whole("memory_bytes", answers.costs.memory_bytes);
+    whole("memory_greatest_bytes", answers.costs.memory_greatest_bytes);
     answers.hits = from.pairs(path, steps, bodies);
     all.push_back(std::move(answers));
   }
@@ -445,6 +453,14 @@ Result read_all(const Reader& from) {
   if (from.has("/algorithm")) {
     result.answers = read_answers(from, steps, bodies);
     result.summary = read_summary(from, result.answers.size());
+  }
+  if (from.has("/noise")) {
+    Noise& noise = result.noise.emplace();
+    noise.label = from.attribute<std::string>("/noise", "label");
+    noise.ratio = from.attribute<double>("/noise", "ratio");
+    noise.low = from.attribute<double>("/noise", "ratio_low");
+    noise.high = from.attribute<double>("/noise", "ratio_high");
+    noise.time_ns = from.values<std::int64_t>("/noise/time_ns", {steps});
   }
   if (from.has("/passes")) result.passes = read_passes(from, result.answers.size());
   if (from.has("/extremes")) result.extremes = read_extremes(from, steps, result.answers.size());

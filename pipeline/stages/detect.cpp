@@ -1,12 +1,17 @@
 #include "pipeline/stages/detect.hpp"
 
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <new>
 #include <stdexcept>
 
 #include "pipeline/result/answer_chunk.hpp"
 #include "pipeline/stages/truth.hpp"
+#include "pipeline/system/heap.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 
@@ -26,12 +31,25 @@ constexpr double kRoundingEnlargement = 0x1p-40;
 struct Entry {
   const algorithms::Algorithm* row;
   std::unique_ptr<Method> method;
+  HeapCount heap = {};
 };
 
-Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
-  const algorithms::Algorithm* row = algorithms::find(choice.name);
+double known(std::int64_t heap_bytes) { return counts_heap() ? double(heap_bytes) : Costs::kUnknown; }
+
+/// `costs`, where given, become those of this set-up.
+Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice, Costs* costs = nullptr) {
+  using Clock = std::chrono::steady_clock;
+  Entry entry{algorithms::find(choice.name), nullptr};
   try {
-    return {row, row->make(bodies, choice.knobs)};
+    {
+      const CountingHeap now(entry.heap);
+      const auto start = Clock::now();
+      entry.method = entry.row->make(bodies, choice.knobs);
+      const std::chrono::nanoseconds spent = Clock::now() - start;
+      if (costs) costs->setup_ns = double(spent.count());
+    }
+    if (costs) costs->memory_bytes = costs->memory_greatest_bytes = known(entry.heap.held);
+    return entry;
   } catch (const std::invalid_argument& error) {
     throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
   } catch (const std::bad_alloc&) {
@@ -50,39 +68,79 @@ std::uint64_t rounding_misses(Method& method, std::span<const Pose> poses, std::
 }
 
 struct Timing {
-  std::int64_t total_ns, prepare_ns;
+  std::int64_t total_ns, prepare_ns, processor_ns;
 };
+
+/// Nanoseconds of processor time that this thread has spent.
+std::int64_t processor_ns() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+/// What looking at the clocks itself takes of it.
+std::int64_t clocks_ns() {
+  static const std::int64_t least = [] {
+    std::int64_t least = std::numeric_limits<std::int64_t>::max();
+    for (int i = 0; i < 1000; ++i) {
+      const std::int64_t before = processor_ns();
+      for (int clock = 0; clock < 3; ++clock) std::chrono::steady_clock::now();
+      least = std::min(least, processor_ns() - before);
+    }
+    return least;
+  }();
+  return least;
+}
 
 Timing timed_pass(Method& method, std::span<const Pose> poses, std::span<const PairRun> runs, std::vector<Pair>& hits) {
   using Clock = std::chrono::steady_clock;
   using std::chrono::nanoseconds;
   hits.clear();
+  const std::int64_t before = processor_ns();
   const auto start = Clock::now();
   method.prepare(poses);
   const auto prepared = Clock::now();
   method.answer(runs, hits);
   const auto answered = Clock::now();
-  return {nanoseconds(answered - start).count(), nanoseconds(prepared - start).count()};
+  const std::int64_t spent = processor_ns() - before - clocks_ns();
+  return {nanoseconds(answered - start).count(), nanoseconds(prepared - start).count(),
+          std::max<std::int64_t>(spent, 1)};
 }
 
 void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const PairRun> runs, const Truth& all_truth,
                  std::size_t step, std::int64_t repeats, std::vector<Pair>& timed_hits, Answers& out) {
   Method& method = *entry.method;
   std::vector<Pair> hits;
-  method.prepare(poses);
-  out.operations.push_back(method.count(runs, hits));
+  {
+    const CountingHeap now(entry.heap);
+    method.prepare(poses);
+  }
+  HeapCount counting;  // apart, as the list of hits that grows is not the method's
+  std::uint64_t operations = 0;
+  {
+    const CountingHeap now(counting);
+    operations = method.count(runs, hits);
+  }
+  entry.heap.held += counting.held - std::int64_t(heap_bytes(hits.data()));
+  out.operations.push_back(operations);
   timed_hits.reserve(hits.size());
 
   std::vector<Timing> timings;
+  timings.reserve(std::size_t(repeats));
   for (std::int64_t i = 0; i < repeats; ++i) {
-    timings.push_back(timed_pass(method, poses, runs, timed_hits));
+    {
+      const CountingHeap now(entry.heap);
+      timings.push_back(timed_pass(method, poses, runs, timed_hits));
+    }
     if (timed_hits != hits)
       throw std::logic_error(out.label + ": the timed pass answers otherwise than the counting pass");
   }
+  out.costs.memory_greatest_bytes = std::fmax(out.costs.memory_greatest_bytes, known(entry.heap.greatest));
   method.remember();  // before the enlarged boxes, of which nothing is to be learned
   std::sort(timings.begin(), timings.end(), [](const Timing& a, const Timing& b) { return a.total_ns < b.total_ns; });
   out.time_ns.push_back(timings.front().total_ns);
   out.prepare_ns.push_back(timings.front().prepare_ns);
+  out.processor_ns.push_back(timings.front().processor_ns);
   const std::size_t middle = timings.size() / 2;
   out.time_median_ns.push_back(timings.size() % 2 ? timings[middle].total_ns
                                                   : (timings[middle - 1].total_ns + timings[middle].total_ns) / 2);
@@ -93,8 +151,16 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
   } catch (const std::logic_error& error) {
     throw std::logic_error(out.label + ": step " + std::to_string(step) + ": " + error.what());
   }
+  const std::vector<Pair> missed = judge(hits, all_truth, step, out);
+  out.rounding_miss.push_back(
+      entry.row->promise == algorithms::Promise::conservative ? rounding_misses(method, poses, missed) : 0);
+}
+
+}  // namespace
+
+std::vector<Pair> judge(std::span<const Pair> hits, const Truth& all_truth, std::size_t step, Answers& out) {
   const std::vector<Pair> truth = all_truth.scoring(step);
-  const std::vector<Pair> missed = without(truth, hits);
+  std::vector<Pair> missed = without(truth, hits);
   std::vector<Pair> invented = without(hits, truth);
   if (all_truth.containment == Containment::record) {
     const std::size_t reported = invented.size();
@@ -104,12 +170,9 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
   out.true_positive.push_back(truth.size() - missed.size());
   out.false_positive.push_back(invented.size());
   out.false_negative.push_back(missed.size());
-  out.rounding_miss.push_back(
-      entry.row->promise == algorithms::Promise::conservative ? rounding_misses(method, poses, missed) : 0);
   out.hits.append(hits);
+  return missed;
 }
-
-}  // namespace
 
 void check_hits(std::span<const Pair> hits, std::span<const PairRun> runs) {
   auto run = runs.begin();
@@ -143,8 +206,10 @@ void refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choi
 }
 
 std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<Pose>>& poses, const Truth& truth,
-                            const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Machine& machine,
-                            const Checkpoint* part, Progress& progress) {
+                            const std::vector<AlgorithmChoice>& asked, std::int64_t repeats, const Machine& machine,
+                            const Checkpoint* part, Progress& progress, bool noise) {
+  std::vector<AlgorithmChoice> choices = asked;
+  if (noise && !asked.empty()) choices.push_back(asked.front());  // like any other, but with no label of its own
   std::vector<Answers> all;
   for (const AlgorithmChoice& choice : choices) {
     const algorithms::Algorithm& row = *algorithms::find(choice.name);
@@ -175,7 +240,11 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     }
 
     if (entries.empty())
-      for (const AlgorithmChoice& choice : choices) entries.push_back(set_up(bodies, choice));
+      for (std::size_t a = 0; a < choices.size(); ++a) {
+        Costs costs;
+        entries.push_back(set_up(bodies, choices[a], &costs));
+        if (std::isnan(all[a].costs.setup_ns)) all[a].costs = costs;  // else those of the run that is resumed
+      }
     for (Entry& entry : entries) entry.method->forget();  // a resumed run starts here
     for (std::int64_t step = first; step < last; ++step) {
       stop_if_wanted();
