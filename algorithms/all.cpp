@@ -56,9 +56,14 @@ std::vector<Algorithm> rows(bool present) {
   return out;
 }
 
-const Algorithm* named(const std::vector<Algorithm>& rows, std::string_view name) {
+const Algorithm* named(const auto& rows, std::string_view name) {
   const auto found = std::ranges::find(rows, name, &Algorithm::name);
   return found == rows.end() ? nullptr : &*found;
+}
+
+std::deque<Algorithm>& rows_of_plugins() {
+  static std::deque<Algorithm> rows;
+  return rows;
 }
 
 }  // namespace
@@ -73,7 +78,14 @@ const std::vector<Algorithm>& missing() {
   return lack;
 }
 
-const Algorithm* find(std::string_view name) { return named(all(), name); }
+const std::deque<Algorithm>& added() { return rows_of_plugins(); }
+
+void add(Algorithm row) { rows_of_plugins().push_back(std::move(row)); }
+
+const Algorithm* find(std::string_view name) {
+  const Algorithm* own = named(all(), name);
+  return own ? own : named(added(), name);
+}
 
 const Algorithm* find_missing(std::string_view name) { return named(missing(), name); }
 

@@ -36,7 +36,7 @@ def main(arguments=None):
     viewer.add_command(commands)
     for command in commands.choices.values():
         command.add_argument("--unsealed", action="store_true", help="read results although they were changed since they "
-                             "were written, as by own datasets; digests still hold")  # fmt: skip
+                             "were written, as by own datasets; digests still hold")
     chosen = parser.parse_args(arguments)
     try:
         with warnings.catch_warnings():
@@ -72,6 +72,9 @@ def swept(paths):
     other results. Raises as load_sweep()."""
     if len(paths) == 1 and os.path.exists(os.path.join(paths[0], SWEEP)):
         return load_sweep(paths[0])
+    for path in paths:
+        if os.path.exists(os.path.join(path, SWEEP)):
+            raise ValueError(f"{path}: is the folder of a sweep; a report on it has no other files")
     folders = {os.path.dirname(os.path.abspath(path)) for path in paths}
     above = os.path.dirname(min(folders))
     if len(paths) < 2 or len(folders) > 1 or not os.path.exists(os.path.join(above, SWEEP)):

@@ -40,8 +40,9 @@ DIGESTED = ("motion", "truth", "answers")  # carry digests of their own
 TEXTS = {"title", "creator", "git_commit", "build_type", "compiler", "flags", "library_versions", "config_sha256",
          "inputs_sha256", "digest", "digest_algorithm", "effective", "shape", "name", "knobs", "promise", "thesis_key",
          "operations_unit", "scope", "library", "host", "processor", "build", "date", "containment", "status"}  # fmt: skip
-NUMBERS = {"schema_version", "rate", "wall_time_s", "gap_margin", "quaternion_drift", "surface_deviation", "closed",
-           "ratio", "ratio_low", "ratio_high", "pinned", "setup_ns", "memory_bytes", "memory_greatest_bytes"}
+NUMBERS = {"schema_version", "rate", "wall_time_s", "gap_margin", "quaternion_drift", "surface_deviation",
+           "contact_deviation", "closed", "ratio", "ratio_low", "ratio_high", "pinned", "setup_ns", "memory_bytes",
+           "memory_greatest_bytes"}
 OBJECTS = {"library_versions", "inputs_sha256", "knobs", "shape"}  # JSON
 MEASURED = ("_ns", "_bytes")  # ends of names that no digest counts: clocks and heap
 MOST_NESTED = 32  # levels of it; ours have at most 3
@@ -101,7 +102,7 @@ def checked(path, look, unsealed=False):
     if seal != "holds":
         why = "is not sealed, as results of older programs" if older else "is read although its seal does not hold"
         warnings.warn(f"{path}: {why}; its digests hold, its times and attributes are vouched for by nobody", Unvouched,
-                      stacklevel=3)  # fmt: skip
+                      stacklevel=3)
     return found, mark
 
 

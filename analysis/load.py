@@ -208,7 +208,7 @@ class Run:
         """
         with self.opened() as file:
             shapes = {name: (_kind(mesh.attrs["shape"]), np.ptp(mesh["vertices"][()], axis=0))
-                      for name, mesh in file["meshes"].items()}  # fmt: skip
+                      for name, mesh in file["meshes"].items()}
             mesh = list(file["bodies/mesh"].asstr()[()])
             table = {
                 "mesh": mesh,

@@ -15,6 +15,12 @@ namespace geometry {
 /// Three indices into a mesh's vertices.
 using Facet = std::array<std::uint32_t, 3>;
 
+/// A ball in the frame of a mesh, metres.
+struct ContactBall {
+  Vec3 centre = Vec3::Zero();
+  double radius = 0;
+};
+
 /// A mesh. Facets are counted from 0 in this order: algorithms that sample facets depend on it.
 struct Mesh {
   std::string name;              // [A-Za-z0-9_.+-]{1,64}, unique in a run
@@ -25,6 +31,10 @@ struct Mesh {
   // NaN where there is no such shape (mesh files).
   double surface_deviation = std::numeric_limits<double>::quiet_NaN();
   double sphere_radius = 0;  // metres; the nominal radius when the shape is a sphere, else 0
+  // Of bodies that touch others by several balls inside their mesh: those balls, and how far the surface is from them
+  // at most, in metres; else none and NaN.
+  std::vector<ContactBall> contact_spheres;
+  double contact_deviation = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// The smallest box around the vertices.

@@ -260,18 +260,11 @@ std::string bytes_of(const std::filesystem::path& path) {
   }
 }
 
-/// `recorded`: the text is the effective configuration of a result.
-Config parsed(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets,
-              bool recorded) {
-  const std::string file = one_line(path.string(), 4096);
-  if (text.size() > kMostBytes) throw Error(kInput, file + ": a configuration must be at most 16 MiB long, not more");
-  Document document(text, file);
-  for (const std::string& set : sets) document.set(set);
-
+/// `recorded`: it is the effective configuration of a result.
+Config read_document(const Document& document, const std::filesystem::path& path, bool recorded) {
   const Section root(document);
   Config config;
   config.path = path;
-  config.text = text;
   config.title = title(root, one_line(path.stem().string(), kMostTitle));
   if (root.has("study")) {
     config.study = read_study(root);
@@ -298,7 +291,26 @@ Config parsed(const std::string& text, const std::filesystem::path& path, const 
   return config;
 }
 
+Config parsed(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets,
+              bool recorded) {
+  const std::string file = one_line(path.string(), 4096);
+  if (text.size() > kMostBytes) throw Error(kInput, file + ": a configuration must be at most 16 MiB long, not more");
+  Document document(text, file);
+  for (const std::string& set : sets) document.set(set);
+  Config config = read_document(document, path, recorded);
+  config.text = text;
+  return config;
+}
+
 }  // namespace
+
+std::vector<AskedKey> asked_keys(const std::string& text) {
+  std::vector<AskedKey> keys;
+  Document document(text, "example");
+  document.listen([&](const AskedKey& key) { keys.push_back(key); });
+  read_document(document, "example.toml", false);
+  return keys;
+}
 
 Config parse_config(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets) {
   return parsed(text, path, sets, false);

@@ -31,6 +31,9 @@ struct Config : SceneConfig {
 /// --set), the value, the rule and the nearest known key.
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets = {});
 
+/// Every key that the reading of a configuration asks for, in that order. Throws as parse_config.
+std::vector<AskedKey> asked_keys(const std::string& text);
+
 /// Reads TOML text as if from `path`, and no file that it names. For tests, and for recorded_config.
 Config parse_config(const std::string& text, const std::filesystem::path& path,
                     const std::vector<std::string>& sets = {});

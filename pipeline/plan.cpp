@@ -34,7 +34,8 @@ constexpr double kProgram = 28 * kMiB, kHdf5 = 8 * kMiB;  // program and librari
 constexpr double kImage = 16 * kMiB;                      // HDF5's file in memory grows by so much at a time
 constexpr double kFreeBody = 4 * 1024;                    // in integration, a body; in a multibody tree
 constexpr double kTreeBody = 16 * 1024;
-constexpr double kGrown = 1.5;  // a vector that grew, on average
+constexpr double kContactSphere = 500;  // of a body that has several: itself, in integration, and those near it
+constexpr double kGrown = 1.5;          // a vector that grew, on average
 
 constexpr double kObject = 1900;                // a group or dataset with its attributes
 constexpr double kName = 150;                   // a body's names
@@ -124,7 +125,10 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   if (!config.inputs.empty()) result += meshes + motion;
 
   const double moving = config.scene_kind->integrated ? double(plan.bodies) : 0;
-  const double integrating = result + (config.physics.bodies == BodyModel::tree ? kTreeBody : kFreeBody) * moving;
+  const double spheres = kContactSphere * double(size.contact_spheres);
+  const double placing = kProgram + meshes + double(size.placing_bytes);
+  const double integrating =
+      result + (config.physics.bodies == BodyModel::tree ? kTreeBody : kFreeBody) * moving + spheres;
   result += steps * (config.scene_kind->integrated ? sizeof(PhysicsSample) : 0) + 32 * steps + 12 * poses.moving;
 
   const double chunks = std::ceil(steps / double(kChunkSteps));
@@ -154,7 +158,7 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   const double file = double(plan.file_bytes);
   const double writing =
       result + kHdf5 + motion + columns + kImage * std::ceil(file / kImage + 0.01) + 2 * file + motion;
-  return std::max({integrating, deciding, result + methods, laying, writing});
+  return std::max({placing, integrating, deciding, result + methods, laying, writing});
 }
 
 algorithms::Memory memory_of(const AlgorithmChoice& choice, const geometry::Bodies& bodies) {
@@ -252,7 +256,9 @@ Plan plan(const geometry::Bodies& bodies, std::uint64_t steps, const std::vector
 
 Plan plan(const Config& config, const Scene& scene, int threads) {
   if (!scene.case_sets.empty()) return plan(config);
-  const SceneSize size = config.scene_kind->size(config);
+  SceneSize size = config.scene_kind->size(config);
+  size.contact_spheres = 0;  // as many as found place
+  for (const RigidBody& body : scene.rigid) size.contact_spheres += body.spheres.size();
   Plan plan = sizes(config, size);
   plan.labels = labels_of(scene.bodies, config.algorithms);
   add_bytes(config, size,
@@ -278,7 +284,7 @@ void refuse_if_too_large(const Plan& plan, const std::filesystem::path& output) 
   if (plan.memory_bytes > machine_memory())
     throw Error(kInput, "the run needs about " + mebibytes_text(plan.memory_bytes) + " of memory, this machine has " +
                             mebibytes_text(machine_memory()) + largest_text(plan) +
-                            "; fewer steps, bodies or segments make it smaller");
+                            "; fewer steps, bodies, segments or contact_spheres make it smaller");
   // Twice: the part and the file exist together for a moment.
   if (2 * plan.file_bytes > free_disk(output))
     throw Error(kInput, output.string() + ": the run needs about " + mebibytes_text(2 * plan.file_bytes) +

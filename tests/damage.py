@@ -1,6 +1,6 @@
 """Damages a result in many ways and asks every reader: never another number, never a signal, never without end.
 
-usage: damage.py [--seed N] [--flips N] [--resealed N] [FILE]      long form of tests/commands/test_damage.py; prints a table
+usage: damage.py [--seed N] [--flips N] [--resealed N] [FILE]     the long tests/commands/test_damage.py; prints a table
 
 Bits are flipped, blocks of 4 KiB zeroed, ends cut off, as a disk does; then the same with the seal renewed, as only
 somebody does who means to, so that the library meets the damage and the child process and the digests must find it.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tables of the pages that the program itself knows: tests/docs.py prints those that differ, --write makes them anew.
+"""The tables of the pages that the program itself knows: tests/docs.py prints those that differ, --write mends them.
 
 A table stands between `<!-- NAME -->` and `<!-- end -->`; NAME is what `pipeline list NAME` lists.
 """
@@ -11,12 +11,13 @@ import sys
 
 from program import PIPELINE, ROOT
 
-PAGES = ["algorithms/README.md", "configs/README.md"]
+PAGES = ["algorithms/README.md", "configs/README.md", "pipeline/FILE.md"]
 PLACE = re.compile(r"(<!-- (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 
 def rows_of(what):
-    return json.loads(subprocess.run([PIPELINE, "list", what, "--json"], capture_output=True, text=True, check=True).stdout)
+    return json.loads(subprocess.run([PIPELINE, "list", what, "--json"], capture_output=True, text=True,
+                                     check=True).stdout)
 
 
 def cell(text):
@@ -29,13 +30,31 @@ def knob(one):
     return f"`{one['name']}` ({shown})"
 
 
+def short(text):
+    """A long list, its middle left out."""
+    return text if len(text) <= 90 else f"{text[:60].rsplit(',', 1)[0]}, …{text[-20:][text[-20:].find(',') + 1 :]}"
+
+
 def table(what):
     """The list as a Markdown table."""
     if what == "algorithms":
-        lines = ["| name | key | what | promise | scope | operations | knobs (preset) |", "|---|---|---|---|---|---|---|"]
+        lines = ["| name | key | what | promise | scope | operations | knobs (preset) |",
+                 "|---|---|---|---|---|---|---|"]
         for row in rows_of(what):
             cells = [f"`{row['name']}`", row["thesis_key"], row["what"], row["promise"], row["scope"],
                      row["operations_unit"], ", ".join(map(knob, row["knobs"]))]
+            lines.append("| " + " | ".join(map(cell, cells)) + " |")
+    elif what == "keys":
+        lines = ["| key | preset | unit | must be | what | in |", "|---|---|---|---|---|---|"]
+        for row in rows_of(what):
+            preset = f"`{short(row['preset'])}`" if row["preset"] is not None else ""
+            unit = "" if row["unit"] == "1" else row["unit"]
+            cells = [f"`{row['name']}`", preset, unit, short(row["rule"]), row["what"], row["where"]]
+            lines.append("| " + " | ".join(map(cell, cells)) + " |")
+    elif what == "datasets":
+        lines = ["| dataset | shape | type | unit | what | present |", "|---|---|---|---|---|---|"]
+        for row in rows_of(what):
+            cells = [f"`{row['name']}`", row["shape"], row["type"], row["unit"], row["what"], row["when"]]
             lines.append("| " + " | ".join(map(cell, cells)) + " |")
     else:
         lines = [f"| {what[:-1]} | what |", "|---|---|"]

@@ -134,7 +134,8 @@ def main():
     parser.add_argument("folder", nargs="+", type=Path)
     parser.add_argument("--all", action="store_true", help="print equal ones too")
     arguments = parser.parse_args()
-    files = sorted(p for folder in arguments.folder for p in folder.rglob("*") if p.suffix.lower() in KINDS and p.is_file())
+    files = sorted(p for folder in arguments.folder for p in folder.rglob("*") if p.suffix.lower() in KINDS
+                   and p.is_file())
     equal = both_refuse = 0
     for path in files:
         found, said = ours(path)
@@ -145,7 +146,8 @@ def main():
         if different or arguments.all:
             verdict = ", ".join(different) or ("equal" if found else "refused by both")
             print(f"[{verdict}] {row(str(path), found, theirs, said, why)}", flush=True)
-    print(f"{len(files)} files: {equal} equal, {both_refuse} refused by both, {len(files) - equal - both_refuse} differ")
+    print(f"{len(files)} files: {equal} equal, {both_refuse} refused by both, {len(files) - equal - both_refuse} "
+          "differ")
 
 
 if __name__ == "__main__":

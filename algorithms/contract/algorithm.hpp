@@ -3,6 +3,8 @@
 // To add one: a file pair whose .cpp ends in a function that returns its row, and one line in all.cpp.
 #pragma once
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -23,7 +25,7 @@ using geometry::Pair;
 using geometry::PairRun;
 using geometry::Pose;
 
-/// conservative: never misses a pair that truly meets (outside rounding); exact: neither misses nor invents.
+/// conservative: never misses a pair that truly meets (outside rounding); exact: neither misses one nor reports another.
 enum class Promise { none, conservative, exact };
 
 /// pair: visits every pair; scene: has a broad phase of its own.
@@ -106,6 +108,7 @@ struct Library {
   std::string name = {};     // empty: the row is of this project
   std::string package = {};  // Debian's, to build with it
   std::string version = {};  // that this build has; empty: it is without
+  std::string sha256 = {};   // of a shared library of others, whose code belongs into a child process; empty: ours
 };
 
 /// One row of the table of algorithms.
@@ -116,9 +119,10 @@ struct Algorithm {
   std::string operations_unit;  // what `count` counts
   Promise promise = Promise::none;
   Scope scope = Scope::pair;
+  std::string precision = "double";  // of the arithmetic that decides
   Library library = {};
   std::vector<Knob> knobs = {};
-  std::unique_ptr<Method> (*make)(const Bodies& bodies, const Knobs& knobs) = nullptr;
+  std::function<std::unique_ptr<Method>(const Bodies& bodies, const Knobs& knobs)> make = nullptr;
   /// What `make` would take, told from sizes alone: quick however much that is. Within a factor of 1.5 from 100 KiB on.
   /// Throws what `make` throws for knobs that do not fit the meshes. Null: not known, counted as a copy of the meshes.
   Memory (*memory)(const Bodies& bodies, const Knobs& knobs) = nullptr;
@@ -133,7 +137,13 @@ const std::vector<Algorithm>& all();
 /// Those whose library this build is without: known by name, without `make`.
 const std::vector<Algorithm>& missing();
 
-/// The row of that name, or nullptr; of all() and of missing().
+/// Rows of shared libraries of others that were added, in order. None is ever moved.
+const std::deque<Algorithm>& added();
+
+/// Adds a row whose name no other has.
+void add(Algorithm row);
+
+/// The row of that name, or nullptr; of all() and added(), and of missing().
 const Algorithm* find(std::string_view name);
 const Algorithm* find_missing(std::string_view name);
 

@@ -102,7 +102,7 @@ std::unique_ptr<Method> make_pairwise(const Bodies& bodies, const Knobs& knobs) 
   return std::make_unique<Pairwise<Test>>(bodies, knobs);
 }
 
-/// Of a test that only keeps so many bytes of each body.
+/// Of a test that keeps `bytes` of each body, and nothing else.
 inline Memory memory_by_body(const Bodies& bodies, std::size_t bytes) {
   return {bytes * bodies.size(), bytes * bodies.size()};
 }

@@ -63,7 +63,7 @@ inline constexpr std::size_t kMostFacets = 20'000'000;  // about a gigabyte of p
 /// How many parts `densified` cuts each edge into, without doing it; throws the same.
 std::uint32_t parts_of_density(const Mesh& mesh, double facets_per_area);
 
-/// Bytes of the mesh whose edges are cut into so many parts.
+/// Bytes of the mesh whose edges are cut into `parts`.
 std::uint64_t dense_bytes(const Mesh& mesh, std::uint64_t parts);
 
 /// The thesis's density, facets per m^2 of box_surface: "at least eight times greater than the surface" (3.1).
@@ -82,7 +82,7 @@ enum class Triangulation {
   strip      // (0,1,2), (1,2,3), ...
 };
 
-/// How many triangles so many points make.
+/// How many triangles that many points make.
 std::size_t triangle_count(std::size_t points, Triangulation triangulation);
 
 /// The first point of each triangle; triangle i is first[i], first[i] + 1, first[i] + 2. None for fewer than 3 points.
@@ -116,7 +116,7 @@ class PlacedPoints {
   /// The most points any body has.
   std::size_t most() const;
 
-  /// Bytes of it, for so many points of each distinct mesh.
+  /// Bytes of it, for that many points of each distinct mesh.
   static std::uint64_t bytes(const Bodies& bodies, std::span<const std::size_t> points);
 
  private:

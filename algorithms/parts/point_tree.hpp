@@ -22,7 +22,7 @@ struct PointTree {
 
   static std::size_t leaf_count(std::size_t points) { return (points + kLeaf - 1) / kLeaf; }
 
-  /// Bytes of a tree of so many points.
+  /// Bytes of a tree of that many points.
   static std::uint64_t bytes(std::size_t points) {
     const std::uint64_t leaves = leaf_count(points);
     return leaves * (kLeaf * sizeof(Vec3) + 2 * sizeof(Node));

@@ -293,7 +293,7 @@ def label_ends(axes, ends, gap=12):
         tie = {"arrowstyle": "-", "color": look["color"], "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
         tie |= {"linestyle": look.get("linestyle", "-"), "relpos": (0, 0.5)}
         axes.annotate(text, (1, (end - low) / (high - low)), xycoords="axes fraction", xytext=(TIE, y - end),
-                      textcoords="offset points", va="center", color=look["color"], fontsize=9, arrowprops=tie)  # fmt: skip
+                      textcoords="offset points", va="center", color=look["color"], fontsize=9, arrowprops=tie)
         if look.get("marker"):
             middle = axes.transAxes + ScaledTranslation((TIE - 5) / 72, (y - end) / 72, axes.figure.dpi_scale_trans)
             mark = {"color": look["color"], "marker": look["marker"], "markersize": 5, "linestyle": "none"}

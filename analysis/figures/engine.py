@@ -130,9 +130,9 @@ def against_collisions(run, kind, key):
     """Collision time against hits, physics time against contacts."""
     steps, columns, physics = parts(run)
     shown = [(label, steps.hits[:, i], steps.time_ns[:, i], style(algorithm(run, label))["color"], "pairs it reports")
-             for label, i in columns.items()]  # fmt: skip
+             for label, i in columns.items()]
     shown.append(("physics", physics.contacts.to_numpy(dtype=float), physics.time_ns.to_numpy(dtype=float),
-                  PHYSICS["color"], "contacts"))  # fmt: skip
+                  PHYSICS["color"], "contacts"))
     shown = shown[:2] + shown[-1:] if len(shown) > 3 else shown
     fig, axes = figure(1, len(shown), height=2.6, squeeze=False)
     rows = {}

@@ -111,7 +111,7 @@ def costs(scene, points, key):
         "memory at the most (KiB)": points.memory_greatest_bytes / 1024,
         "mean time (µs)": points.time_mean_ns / 1e3,
         "error": points.error,
-    })  # fmt: skip
+    })
     drawn = points.iloc[:NAMED]
     rest = "" if len(drawn) == len(points) else f" The {NAMED} fastest of {len(points)} are drawn, all are below."
     unknown = list(points.label[points.memory_bytes.isna()])
@@ -155,10 +155,10 @@ def costs(scene, points, key):
 
 def _costs_finding(points):
     words = []
-    for column, verb, text in (("setup_ns", "takes longest to set up", time), ("memory_greatest_bytes", "takes most memory", memory)):
+    for column, does, text in (("setup_ns", "takes longest to set up", time), ("memory_greatest_bytes", "takes most memory", memory)):
         if points[column].notna().any():
             most = points.loc[points[column].idxmax()]
-            words.append(f"{most.label} {verb}, {text(most[column])}")
+            words.append(f"{most.label} {does}, {text(most[column])}")
     return "; ".join(words)
 
 
@@ -183,7 +183,7 @@ def kinds(scene, key):
         "false negatives": points.false_negative.astype("int64"),
         "false positives": points.false_positive.astype("int64"),
         "error": points.error,
-    })  # fmt: skip
+    })
     drawn = table.iloc[:NAMED]
     rest = (
         ""

@@ -28,7 +28,7 @@ def sections(runs):
         key = f"extremes-{count}-{slug(pareto.name(run))}"
         parts = [guarded("Error by signed gap", gap_figure, run, f"{key}-gap")]
         for word, unit, table in (("offset", "m", extremes.error_by_offset), ("scale", "m", extremes.error_by_scale),
-                                  ("shape", "", extremes.error_by_shape)):  # fmt: skip
+                                  ("shape", "", extremes.error_by_shape)):
             parts.append(guarded(f"Error by {word}", by_figure, run, word, unit, table, f"{key}-{word}"))
         parts.append(guarded("Instability", instability_table, run))
         found.append(Section(f"{pareto.title(run)}: where answers fail", parts))
@@ -101,7 +101,7 @@ def gap_figure(run, key):
     ax.grid(False)
     ax.spines["left"].set_visible(False)
     handles = [Patch(color=colour, label=word) for word, colour in (("missed", MISSED), ("false positive", FALSE_POSITIVE),
-                                                                          ("within 1000 ulps of touching", SHADE))]  # fmt: skip
+                                                                          ("within 1000 ulps of touching", SHADE))]
     space(fig, top=0.3)
     fig.legend(handles=handles, loc="upper center", ncols=3, frameon=False, fontsize=9)
     everything = int(table.groupby("algorithm", observed=True)["cases"].sum().max())
@@ -112,7 +112,7 @@ def gap_figure(run, key):
         f"Share of wrong answers among {number(everything)} cases of each algorithm; a full row's height is 100 %, any error has a visible foot; cases in which it failed are left out. Shaded: within "
         f"1000 ulps of touching, {number(apart)} cases, counted apart; {number(hidden)} of them are decades so small that they are within 1000 ulps at their offset, and "
         f"are not in the bars. Deep inside, a body may lie wholly in the other or beyond it: no surfaces meet there, and a hit is a false positive. A cross: the algorithm failed in all cases of the class. {source(run)}"
-    )  # fmt: skip
+    )
     return Figure(gap_title(table, labels), svg_of(fig), caption, table.drop(columns="error").reset_index(drop=True), key)
 
 
@@ -125,7 +125,7 @@ def totals(table):
         rows[label, bool(near)] = {
             "cases": int(mine["cases"].sum()), "failed": int(mine["failed"].sum()), "missed": missed, "false positives": reported,
             "wrong": (missed + reported) / said if said else np.nan,
-        }  # fmt: skip
+        }
     table = pd.DataFrame.from_dict(rows, orient="index")
     table.index = pd.MultiIndex.from_tuples(table.index, names=["algorithm", "near_touching"])
     return table
@@ -190,10 +190,10 @@ def by_figure(run, word, unit, make, key):
     caption = (
         f"Error (FP + FN) / (TP + FP + FN) in percent, over the {number(int(away['cases'].sum() / max(1, len(labels))))} cases of each algorithm that are not within 1000 ulps of "
         f"touching{like_text(word) if like else ''}; those within are in the numbers below. F: failed in all cases; *: failed in some, which are not counted. {source(run)}"
-    )  # fmt: skip
+    )
     told = like or not unit or len(values) == 1
     title = (by_title(away, name, word, unit, heads) if told
-             else f"No case is there at every {word}, so errors by {word} do not compare")  # fmt: skip
+             else f"No case is there at every {word}, so errors by {word} do not compare")
     return Figure(title, svg_of(fig), caption, table, key)
 
 
@@ -223,14 +223,14 @@ def instability_table(run):
     frame = table.reset_index().rename(columns={
         "near_touching": "near touching", "swapped": "changes when swapped", "moved": "changes when both are moved",
         "truth_moved": "truth itself changes", "failure": "what it said when it failed first",
-    })  # fmt: skip
+    })
     moved, swapped = (int(table[name].sum()) for name in ("moved", "swapped"))
     who = list(dict.fromkeys(table.index[(table["moved"] > 0) | (table["swapped"] > 0)].get_level_values("algorithm")))
     title = ("No algorithm answers any case" if not table["cases"].any() else
              "No answer changes with the order of a pair, nor when both bodies are moved exactly" if not who else
-             f"{number(swapped)} answers change with the order of the pair and {number(moved)} when both bodies are moved exactly: {listed(who)}")  # fmt: skip
+             f"{number(swapped)} answers change with the order of the pair and {number(moved)} when both bodies are moved exactly: {listed(who)}")
     failed = list(dict.fromkeys(table.index[table["failed"] > 0].get_level_values("algorithm")))
     title += f"; {listed(failed)} {verb(failed, 'fails', 'fail')} in {number(int(table['failed'].sum()))} cases" if failed else "; none fails"
     caption = (f"Cases that did not fail; a move is by an exactly representable step, and cases in which it changes the truth (rounding of the world's vertices) are apart. "
-               f"{source(run)}")  # fmt: skip
+               f"{source(run)}")
     return Table(title, frame.set_index("algorithm"), caption)

@@ -180,7 +180,7 @@ def flicker_map(run, _, name):
             level = int(np.searchsorted(edges, changes, side="right"))
             axes.add_patch(Rectangle((column, row), 1, 1, facecolor=FLICKER[level], edgecolor="#DDDDDD", linewidth=0.7))
             axes.text(column + 0.5, row + 0.5, str(changes) if changes else "·", ha="center", va="center", fontsize=8,
-                      color="white" if level > 2 else "black")  # fmt: skip
+                      color="white" if level > 2 else "black")
     legend(fig, FLICKER, [str(edge) for edge in edges], "changes of the answer within contacts")
     changes = overall.flicker
     still = changes.index[changes == 0]
@@ -207,7 +207,7 @@ def grid(run, labels, columns):
     fig, axes = figure(height=0.36 * len(labels) + 1.75)
     axes.set(xlim=(0, len(columns)), ylim=(len(labels), 0))
     axes.set_xticks(np.arange(len(columns)) + 0.5, shortened(map(str, columns), 18).values(), rotation=60,
-                    ha="left", rotation_mode="anchor")  # fmt: skip
+                    ha="left", rotation_mode="anchor")
     axes.xaxis.tick_top()
     named = [f"{key(run, label)} {text}".strip() for label, text in shortened(labels, 24).items()]
     axes.set_yticks(np.arange(len(labels)) + 0.5, named)

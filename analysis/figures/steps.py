@@ -234,7 +234,7 @@ def curves_together(run, kind, key):
     handles = {name: line for panel in axes for line, name in zip(*panel.get_legend_handles_labels())}
     fig.suptitle(" ", fontsize=9)  # room for the legend
     fig.legend(list(handles.values()), [name + " / own mean" for name in handles], loc="upper center", ncol=3,
-               fontsize=9, frameon=False, borderaxespad=0.1)  # fmt: skip
+               fontsize=9, frameon=False, borderaxespad=0.1)
     fig.supxlabel("step", fontsize=9.5)
     when = f"the {steps.full.sum()} steps with all {steps.bodies.max()} bodies" if steps.grows else "all steps"
     what = (
@@ -261,7 +261,7 @@ def time_against_hits(run, kind, key):
         column = steps.labels.index(label)
         time, hits = steps.time_ns[:, column] / 1e9, steps.hits[:, column]
         dots = panel.scatter(hits[every], time[every], s=5, alpha=0.6, c=steps.bodies[every], cmap="viridis_r",
-                             vmin=0, vmax=steps.bodies.max(), linewidths=0, rasterized=True)  # fmt: skip
+                             vmin=0, vmax=steps.bodies.max(), linewidths=0, rasterized=True)
         if not np.isnan(slope := table["ns per hit"][label]):
             x = np.array([hits[steps.full].min(), hits[steps.full].max()])
             y = time[steps.full].mean() + slope / 1e9 * (x - hits[steps.full].mean())

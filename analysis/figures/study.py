@@ -96,7 +96,7 @@ def unfinished(study):
 def causes(lost):
     """Why the cases `lost` did not finish, and how many for each reason."""
     return listed(f"{'not run' if status == 'not run' else (FAILED.get(status) or OTHERWISE)[1]} ({count})"
-                  for status, count in lost["status"].value_counts().items())  # fmt: skip
+                  for status, count in lost["status"].value_counts().items())
 
 
 def look(name):
@@ -109,7 +109,7 @@ def look(name):
 def source(run):
     meta = run.meta
     return (f"{pareto.name(run)}, configuration “{meta.get('title', '')}” (sha256 {meta.get('config_sha256', 'unknown')[:10]}), commit "
-            f"{meta.get('git_commit', '?')[:7]}, {meta.get('run', {}).get('processor', 'unknown processor')}.")  # fmt: skip
+            f"{meta.get('git_commit', '?')[:7]}, {meta.get('run', {}).get('processor', 'unknown processor')}.")
 
 
 # ---- Work and precision ------------------------------------------------------------------------------------------
@@ -124,14 +124,14 @@ def precision_figure(run, cost, key):
         return f"Error against cost: not drawn, no case of {listed(wanted.index)} has an error."
     fig, lost, idle = precision_panels(table, [name for name in wanted.index if wanted[name]], cost,
                                  "force evaluations" if cost == "force_evaluations" else "processor time (s)", study_tables.controlled,
-                                 best[best["apart"]])  # fmt: skip
+                                 best[best["apart"]])
     bare = [name for name in wanted.index if not wanted[name]]
     caption = (
         f"Error at the end (of position over the problem's length, or of orientation in rad, the greater) against cost. A line joins one "
         f"integrator's accuracies from loose to tight; SemiExplicitEuler takes fixed steps only (dashed). Fixed steps of the others are "
         f"in the numbers below, and drawn hollow where they cost least for an error in the title. A cross at the top is a case that did not finish ({lost}{f'; {idle} more ended before their first step' if idle else ''}); errors of 0 are drawn at the bottom. "
         + (f"No case of {listed(bare)} has an error. " if bare else "") + source(run)
-    )  # fmt: skip
+    )
     return Figure(title, svg_of(fig), caption, table, key)
 
 
@@ -146,7 +146,7 @@ def precision_title(best, word):
         who = listed(leaders) if len(leaders) <= 2 else f"{len(leaders)} integrators"
         need = verb(leaders, "needs", "each need")
         parts.append(f"{who} {need if not parts else need.replace('needs', 'does').replace('need', 'do')}"
-                     f"{' the ' + word if not parts else ''} for errors below {threshold:.0e} on {wins.max()} of {len(rows)} problems")  # fmt: skip
+                     f"{' the ' + word if not parts else ''} for errors below {threshold:.0e} on {wins.max()} of {len(rows)} problems")
     return "; ".join(parts).replace("e-0", "e-")
 
 
@@ -170,16 +170,16 @@ def precision_panels(table, problems, cost, label, chosen, apart=None):
         for integrator, line in lines.items():
             good = line[(line[cost] > 0) & line["error"].notna()]
             drawn[integrator] = ax.plot(good[cost], good["error"].clip(low * 1.2, high), markersize=4, linewidth=1.1,
-                                        label=integrator, **look(integrator))[0]  # fmt: skip
+                                        label=integrator, **look(integrator))[0]
             bad = line[(line["status"] != "finished") & (line[cost] > 0)]
             lost += len(bad)
             idle += int((line["status"] != "finished").sum()) - len(bad)
             at = bad[cost].clip(done[cost].min() / 3, done[cost].max() * 3) if len(done) else bad[cost]
             ax.plot(at, np.full(len(bad), 0.93), "x", color=look(integrator)["color"], markersize=6,
-                    transform=ax.get_xaxis_transform())  # fmt: skip
+                    transform=ax.get_xaxis_transform())
         for row in lone.itertuples():
             ax.plot([row.cost], [max(row.error, low * 1.2)], markersize=6, markerfacecolor="none", markeredgewidth=1.3,
-                    **look(row.integrator) | {"linestyle": "none"})  # fmt: skip
+                    **look(row.integrator) | {"linestyle": "none"})
         ax.set(xscale="log", yscale="log", ylim=(low, high * 4))
         ax.set_title(problem.replace("_", " "), loc="left", fontsize=9.5)
         ax.yaxis.set_major_locator(LogLocator(numticks=6))
@@ -222,7 +222,7 @@ def order_figure(run, key):
     caption = (
         f"Error against the length of fixed steps; a straight line of slope p is an order of p. {lost} cases did not finish (crosses at the top; "
         f"those of much shorter or longer steps stand at the edge). CPodes takes no fixed steps. {source(run)}"
-    )  # fmt: skip
+    )
     return Figure(title, svg_of(fig), caption, table[["problem", "integrator", "fixed_step", "error", "status"]], key)
 
 
@@ -252,7 +252,7 @@ def orders_table(run):
         f"Slope of log error over log step by least squares, by accuracies over the mean step, and its standard error. Fitted are the finest {studies.FITTED} cases at most of "
         f"those whose errors fall from {studies.COARSE:g} down to {studies.FLOOR:g}, where rounding takes over, from each step to the next shorter. Erratic: the standard error is "
         f"above {STEADY:g}, the points are on no line; a dash: fewer than three cases are in the range. Where a contact begins within a step, the force has no second derivative. {source(run)}"
-    )  # fmt: skip
+    )
     return Table("Fitted convergence orders beside the nominal ones", frame.fillna("–"), caption)
 
 
@@ -307,7 +307,7 @@ def draw_map(ax, cells, rows, columns, heads, names=None):
             text, colour = cells.get((row, column), ("", "#FFFFFF"))
             picture[i, j] = to_rgb(colour)
             ax.text(j, i, text, ha="center", va="center", fontsize=CELL_SIZE, color="#FFFFFF" if colour == DARK else "#111111",
-                    fontweight="bold" if colour == DARK else "normal")  # fmt: skip
+                    fontweight="bold" if colour == DARK else "normal")
     ax.imshow(picture, aspect="auto", interpolation="nearest")
     ax.set_xticks(range(len(columns)), heads)
     ax.set_yticks(range(len(rows)), names or rows)
@@ -326,7 +326,7 @@ def map_legend(fig, statuses):
     columns = 1 if len(failed) < 3 else 2
     space(fig, top=0.5, bottom=0.22 * -(-len(failed) // columns) + 0.12 if failed else 0)
     fig.legend(handles=patches, loc="upper center", ncols=4, frameon=False, fontsize=9, title_fontsize=9,
-               title="finished; energy off its balance by")  # fmt: skip
+               title="finished; energy off its balance by")
     if failed:
         fig.legend(handles=failed, loc="lower center", ncols=columns, frameon=False, fontsize=9)
 
@@ -360,7 +360,7 @@ def map_figure(run, name, key):
         f"{table['problem'].iloc[0].replace('_', ' ')} ({name}); {len(table)} cases of {len(rows)} integrators at {listed(dict.fromkeys(table['setting']))}. A "
         f"cell says by how many percent of the problem's energy the balance is off at its worst: + is energy from nowhere, 0 is less than 0.05. A letter on dark: why "
         f"the case did not finish. An empty cell was not run. {source(run)}"
-    )  # fmt: skip
+    )
     return Figure(map_title(table), svg_of(fig), caption, table.drop(columns=["who", "sweep"]), key)
 
 
@@ -372,7 +372,7 @@ def map_title(table):
     where = range_text(table, "Pa")
     names = list(good.index[good])
     text = f"{problem.capitalize()}: " + (f"{listed(names)} {verb(names, 'keeps', 'keep')} the energy within 1 % {where}" if names
-                                          else f"no integrator keeps the energy within 1 % {where}")  # fmt: skip
+                                          else f"no integrator keeps the energy within 1 % {where}")
     return f"{text}; {listed(lost)} {verb(lost, 'does', 'do')} not finish everywhere" if len(lost) else f"{text}; all finish"
 
 
@@ -391,7 +391,7 @@ def factor_figure(run, names, key):
     lines = -(-len(names) // 2)
     widths = [max([table["value"][table["sweep"] == name].nunique() for name in names[column::2]] or [1]) for column in range(2)]
     fig, axes = figure(lines, 2, height=lines * (0.27 * len(rows) + 0.75) + 0.9, squeeze=False, sharey=True,
-                       width_ratios=widths)  # fmt: skip
+                       width_ratios=widths)
     for ax, name in zip(axes.ravel(), names):
         mine = table[table["sweep"] == name]
         columns = sorted(mine["value"].unique())
@@ -408,7 +408,7 @@ def factor_figure(run, names, key):
     best = good.groupby(table["who"], sort=False).all()
     worst = (~good).groupby(table["factor"]).mean()
     title = f"{listed(best.index[best])} {verb(best.sum(), 'keeps', 'keep')} the energy within 1 % whatever one factor is" if best.any() else (
-        f"No integrator keeps the energy within 1 % over all factors; {worst.idxmax().replace('_', ' ')} costs most")  # fmt: skip
+        f"No integrator keeps the energy within 1 % over all factors; {worst.idxmax().replace('_', ' ')} costs most")
     caption = f"One factor at a time around the defaults; {len(table)} cases. Cells as in the stability map, in percent. {source(run)}"
     return Figure(title, svg_of(fig), caption, table.drop(columns="who"), key)
 
@@ -425,15 +425,15 @@ def recommendation_table(run, runs):
         return f"No recommendation: no case is within a factor of {study_tables.NEAR:g} of {stiffness:g} Pa."
     best = table[table["recommended"]]
     title = (f"Near {stiffness:g} Pa {best['integrator'].iloc[0]} at {best['setting'].iloc[0]} is recommended" if len(best)
-             else f"Near {stiffness:g} Pa no integrator is known to hold in all {table['of'].iloc[0]} cases")  # fmt: skip
+             else f"Near {stiffness:g} Pa no integrator is known to hold in all {table['of'].iloc[0]} cases")
     words = [follow_text(row) for row in others.itertuples()]
     frame = table.drop(columns=study_tables.CONTROLS).rename(columns={"of": "of cases", "force_evaluations": "force evaluations",
-                                                                 "worst_energy_error": "worst energy error", "energy_error": "mean energy error"})  # fmt: skip
+                                                                 "worst_energy_error": "worst energy error", "energy_error": "mean energy error"})
     caption = (
         f"Cases of the sweeps over stiffness from {stiffness / study_tables.NEAR:g} to {stiffness * study_tables.NEAR:g} Pa. Holds: finished, with the energy within "
         f"{100 * study_tables.BOUND:g} % of its balance all the time. Recommended is, of those that hold in all and need at most {studies.DEARER:g} times the force evaluations of the cheapest, the most accurate (geometric mean). These are "
         "small scenes: what hundreds of bodies cost (a dense Jacobian of CPodes, Verlet's convergence) is not in them. " + " ".join(words)
-    )  # fmt: skip
+    )
     return Table(title, frame.set_index("integrator"), caption)
 
 
@@ -471,7 +471,7 @@ def extremes_figure(run, key):
     caption = (
         f"{len(table)} cases. Cells as in the stability map: energy off its balance, in percent. Cases of one name are the naive form and the adapted ones "
         f"beside it: units of the problem's own size, or tolerances and steps that fit it. {own_steps(table)}" + source(run)
-    )  # fmt: skip
+    )
     return Figure(title, svg_of(fig), caption, table.drop(columns="row"), key)
 
 
@@ -504,7 +504,7 @@ def tunnelling_table(run):
         step, what = mine["preventing_step"].dropna(), f"a plate of {thickness:g} m and {stiffness:g} Pa"
         words.append(f"{what} is passed at {speed:g} m/s whatever the step" if step.empty else
                      f"{what} stops a ball of {speed:g} m/s with steps of at most {step.min():.2g} s"
-                     + (f" with {len(step)} of {len(mine)} integrators" if len(step) < len(mine) else ""))  # fmt: skip
+                     + (f" with {len(step)} of {len(mine)} integrators" if len(step) < len(mine) else ""))
     title = "; ".join(words)
     title = title[:1].upper() + title[1:]
     frame = pd.DataFrame({
@@ -512,7 +512,7 @@ def tunnelling_table(run):
         "went through with steps of (s)": [", ".join(f"{step:g}" for step in steps) or "–" for steps in table["went_through"]],
         "was stopped with (s)": [", ".join(f"{step:g}" for step in steps) or "–" for steps in table["stopped"]],
         "greatest step that stops it (s)": table["preventing_step"],
-    })  # fmt: skip
+    })
     caption = "The greatest step that stops the ball from whatever phase it comes, by bisection. A dash: none was found. " + source(run)
     return Table(title, frame.set_index("integrator"), caption)
 
@@ -538,7 +538,7 @@ def drift_figure(run, key):
     ended = "" if status == "complete" else f" The integration {status.rstrip('.')}."
     more = drift_words(run)
     caption = (f"{number(len(table))} steps; the band is from the least to the greatest of each stretch of steps.{ended} "
-               f"{more[:1].upper() + more[1:] + '. ' if more else ''}{source(run)}")  # fmt: skip
+               f"{more[:1].upper() + more[1:] + '. ' if more else ''}{source(run)}")
     return Figure(drift_title(table), svg_of(fig), caption, table.iloc[:: max(1, len(table) // 60)], key)
 
 

@@ -5,10 +5,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from analysis.figures.drawing import digits, guarded, label_ends, listed, log_seconds, shortened, time_text
-from analysis.figures.error import counted
+from analysis.figures.drawing import digits, guarded, label_ends, log_seconds, shortened
 from analysis.figures.figure import Figure, Points, Section, Table, figure, slug, style, svg_of
 from analysis.tables import sweeps
+from analysis.words import counted, listed
 
 MOST_LABELS = 16  # lines in one figure
 MOST_SETTINGS = 4  # figures of one quantity over one parameter; the tables have all
@@ -51,12 +51,12 @@ def warnings(table):
     machines = list(dict.fromkeys(sweeps.machine(rows))) if len(rows) else []
     if len(machines) > 1:
         lines.append(f"Points were timed on {len(machines)} unlike processors or builds ({'; '.join(machines)}): their times are "
-                     "drawn apart, errors compare.")  # fmt: skip
+                     "drawn apart, errors compare.")
     if any("debug" in machine.lower() for machine in machines):
         lines.append("A debug build timed some points; those times mean nothing.")
     if beside := sweeps.side_by_side(table):
         lines.append(f"{counted(sum(beside.values()), 'point')} ran while another did on the same machine ({listed(beside)}): their times disturb each "
-                     "other. On a machine alone, with -j 1, they are surer.")  # fmt: skip
+                     "other. On a machine alone, with -j 1, they are surer.")
     if seeded(table):
         same = [name for name, part in sweeps.settings(done) if part.digest.nunique() < (part.digest != "").sum()]
         if same:
@@ -102,7 +102,7 @@ def chance(rows):
     worst = table.loc[table.sd.idxmax()]
     where = at(worst, setting_names(rows))
     return [f"Over {int(table['count'].max())} seeds the standard deviation of an error is {digits(table.sd.median())} in the median of the labels, and "
-            f"{digits(worst.sd)} for {worst.label}, the greatest ({digits(worst['mean'])}, from {digits(worst.least)} to {digits(worst.most)}){where}."]  # fmt: skip
+            f"{digits(worst.sd)} for {worst.label}, the greatest ({digits(worst['mean'])}, from {digits(worst.least)} to {digits(worst.most)}){where}."]
 
 
 def at(row, names):
@@ -275,7 +275,7 @@ def draws(table):
     if not pairs:
         title = f"Over {seeds} seeds the error is {digits(mine.error.min())} to {digits(mine.error.max())}"
     caption = (f"{mine.attrs['title']}{f', {setting}' if setting else ''}: a dot for every seed, a bar for the mean; the least mean error first. "
-               f"Times of {sweeps.machine(timed).iloc[0]}, with what disturbed them.")  # fmt: skip
+               f"Times of {sweeps.machine(timed).iloc[0]}, with what disturbed them.")
     others = len(sweeps.settings(rows)) - 1
     return Figure(title, svg_of(fig), caption + (f" {counted(others, 'other setting')} of the sweep: above, and in sweep.csv." if others else ""), table_, "sweep-seeds")
 
@@ -318,5 +318,5 @@ def judged(table):
 def of_points(table):
     done = sweeps.points(table)
     frame = pd.DataFrame({"point": done.point, "status": done.status, "reason": done.reason, "wall time (s)": done.wall_time_s,
-                          "host": done.host, "bodies": done.bodies.astype("Int64"), "steps": done.steps.astype("Int64"), "digest": done.digest})  # fmt: skip
+                          "host": done.host, "bodies": done.bodies.astype("Int64"), "steps": done.steps.astype("Int64"), "digest": done.digest})
     return Table("Every point", frame, "Each is a result of its own in the folder points; a digest covers everything but times and names of machines.")

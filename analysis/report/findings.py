@@ -133,7 +133,7 @@ def recommended(run, runs):
             found.append(
                 f"Recommended near {stiffness:g} Pa: {row['integrator']} at {row['setting']}; it finishes all {row['of']} cases within {100 * study_tables.BOUND:g} % of the energy "
                 f"(worst {100 * row['worst_energy_error']:+.2g} %) with {number(int(row['force_evaluations']))} force evaluations; {cheap_text(table)}."
-            )  # fmt: skip
+            )
         elif len(table):
             whole = table[table["cases"] == table["of"]]
             why = "nobody holds in all of them" if len(whole) else "nobody has all of them"
@@ -146,7 +146,7 @@ def cheap_text(table):
     if cheap["integrator"] == best["integrator"] and cheap["setting"] == best["setting"]:
         return "none that holds is cheaper"
     return (f"{cheap['integrator']} at {cheap['setting']} holds with {number(int(cheap['force_evaluations']))}, the fewest, and is "
-            f"{cheap['energy_error'] / best['energy_error']:.2g} times less accurate")  # fmt: skip
+            f"{cheap['energy_error'] / best['energy_error']:.2g} times less accurate")
 
 
 def went_wrong(run):
@@ -244,12 +244,12 @@ def drift(run):
     if table.attrs["lossless"] and len(change):
         worst = change.abs().max()
         found.append(f"Nothing gives or takes energy; over {seconds:.4g} s it is off by {100 * worst:.2g} % at most and by {100 * change.iloc[-1]:+.2g} % at the end, "
-                     f"{'within' if worst <= studies.SOUND else 'more than'} {100 * studies.SOUND:g} %.")  # fmt: skip
+                     f"{'within' if worst <= studies.SOUND else 'more than'} {100 * studies.SOUND:g} %.")
     if "greatest_penetration" in table and table["greatest_penetration"].notna().any():
         deepest = table["greatest_penetration"].idxmax()
         depth = table["greatest_penetration"][deepest]
         found.append(f"Over {seconds:.4g} s bodies sink into each other by {depth:.3g} m at most, at {table['time'][deepest]:.4g} s." if depth > 0
-                     else f"Over {seconds:.4g} s no body sinks into another.")  # fmt: skip
+                     else f"Over {seconds:.4g} s no body sinks into another.")
     more = drift_words(run)
     return found + ([f"{more[:1].upper()}{more[1:]} over {seconds:.4g} s."] if more else [])
 
@@ -268,12 +268,12 @@ def algorithms(run):
     even = told[told["error"] == least["error"]]
     least = even.loc[even["time_mean_ns"].idxmin()]
     text = (f"Of {len(told)} labels {least.name} errs least, {least['error']:.3g} at {time_text(least['time_mean_ns'])} a step; "
-            f"{quick.name} is quickest, {quick['error']:.3g} at {time_text(quick['time_mean_ns'])}.")  # fmt: skip
+            f"{quick.name} is quickest, {quick['error']:.3g} at {time_text(quick['time_mean_ns'])}.")
     if least.name == quick.name:
         text = f"Of {len(told)} labels {least.name} errs least and is quickest: {least['error']:.3g} at {time_text(least['time_mean_ns'])} a step."
     times = {label: times for label, times in run.step_times.items() if label in told.index}
     equals = [label for label, mine in times.items() if label != quick.name
-              and intervals.alike(intervals.ratio(mine, times[quick.name]), run.noise)]  # fmt: skip
+              and intervals.alike(intervals.ratio(mine, times[quick.name]), run.noise)]
     if equals and len(places(run)) == 1:
         text += f" {listed(equals)} {verb(equals, 'is', 'are')} as fast as {quick.name}: their times do not differ."
     return [text]

@@ -58,7 +58,7 @@ set-up and memory: What a method makes once for the bodies of a run, no part of 
     then, and the most at any time.
 operations: The elementary tests an algorithm really made, its cheap rejections and its prefilter's included: a cost
     that is the same on every machine.
-promise: conservative: never misses a pair that truly meets; exact: neither misses nor reports falsely; none. A miss that
+promise: conservative: never misses a pair that truly meets; exact: neither misses one nor reports another; none. A miss that
     vanishes when boxes and radii grow by 2^-40 of their size is rounding and breaks nothing.
 scope: A pairwise method visits every pair; a whole-scene method has a broad phase of its own and is drawn hollow.
 Pareto front: The labels for which no other is at most as costly and at most as wrong, and better in one of the two.
@@ -121,7 +121,7 @@ def lead(runs, found):
         machine = " on ".join(filter(None, (meta["run"].get("processor"), meta["run"].get("host"))))
         made = f"{meta.get('build_type', '')} build of commit {meta.get('git_commit', '?')[:7]}"
         what = (f"{counted(meta['steps'], 'step')} of {counted(len(meta['bodies']), 'body', 'bodies')},"
-                f" {counted(len(meta['algorithms']), 'label')}")  # fmt: skip
+                f" {counted(len(meta['algorithms']), 'label')}")
         if is_study(run):
             what = f"{counted(len(run.study), 'case')} of {counted(run.study['integrator'].nunique(), 'integrator')}"
         title = f"{pareto.title(run)} ({pareto.name(run)}): {what}"
@@ -195,14 +195,14 @@ def doubtful_times(run):
         few = list(table.index[table.time_mean_ns > table.time_p95_ns])
         if few:
             lines.append(f"the mean time of {listed(few)} lies above its 95th percentile: a few steps, or a disturbance, take"
-                         " most of it; the median tells more.")  # fmt: skip
+                         " most of it; the median tells more.")
     if "processor_mean_ns" in table:
         share = table.time_mean_ns / table.processor_mean_ns - 1
         late = share[share > DISTURBED]
         if len(late):
             each = listed(f"{label} by {100 * value:.2g} %" for label, value in late.items())
             lines.append(f"the run was disturbed: wall time is above the processor's own, of {each}; time again on an idle"
-                         " machine.")  # fmt: skip
+                         " machine.")
     return lines
 
 

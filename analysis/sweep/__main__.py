@@ -42,7 +42,8 @@ def main(arguments=None):
     open_standard_descriptors()
     chosen = parsed(arguments)
     for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.default_int_handler)
+        if signal.getsignal(number) != signal.SIG_IGN:  # nohup means it
+            signal.signal(number, signal.default_int_handler)
     try:
         return swept(chosen)
     except Refused as error:
@@ -61,14 +62,14 @@ def parsed(arguments):
     parser.add_argument("sweep", metavar="SWEEP.toml", help="a configuration, the values of its keys, seeds; see configs/sweeps")
     parser.add_argument("-o", "--output", metavar="FOLDER", help="folder of the results (default: results/<name of SWEEP>)")
     parser.add_argument("-j", "--jobs", type=int, metavar="N",
-                        help=f"processors to use here (1: points side by side disturb each other's times), or jobs at a time on Slurm ({SLURM_JOBS})")  # fmt: skip
+                        help=f"processors to use here (1: points side by side disturb each other's times), or jobs at a time on Slurm ({SLURM_JOBS})")
     parser.add_argument("--slurm", action="store_true", help="a Slurm job for every point; the folder must be one that all nodes see")
     parser.add_argument("--partition", help="Slurm's partition (default: the cluster's)")
     parser.add_argument("--account", help="Slurm's account")
     parser.add_argument("--dry-run", action="store_true", help="say what would run, how large it is and how long it takes")
     parser.add_argument("--yes", action="store_true", help="more than a thousand points are meant")
     parser.add_argument("--program", default=os.environ.get("PIPELINE") or os.path.join(ROOT, "build", "pipeline"),
-                        help="the built program (default: build/pipeline of this folder, or what PIPELINE names)")  # fmt: skip
+                        help="the built program (default: build/pipeline of this folder, or what PIPELINE names)")
     chosen = parser.parse_args(arguments)
     if chosen.jobs is not None and chosen.jobs < 1:
         parser.error("-j: must be at least 1")
@@ -118,7 +119,7 @@ def refuse_other(folder, said, sweep):
     if kept.get("sweep") != sweep.name or kept.get("parameters") != list(sweep.axes):
         over = ", ".join(map(str, kept.get("parameters") or [])) or "nothing"
         raise Refused(f"{said}: holds the sweep '{kept.get('sweep')}' over {over}, this is '{sweep.name}' over "
-                      f"{', '.join(sweep.axes) or 'nothing'}; -o names another folder", 4)  # fmt: skip
+                      f"{', '.join(sweep.axes) or 'nothing'}; -o names another folder", 4)
 
 
 def locked(stack, work, folder):
@@ -304,7 +305,7 @@ class Job:
             shutil.rmtree(os.path.join(self.work, name), ignore_errors=True)
         command = ["snakemake", "--snakefile", os.path.join(ROOT, "analysis", "sweep", "Snakefile"), target, "--keep-going",
                    "--nolock", "--ignore-incomplete", "--rerun-triggers", "mtime", "--drop-metadata", "--scheduler", "greedy",
-                   "--nocolor"]  # fmt: skip
+                   "--nocolor"]
         if self.chosen.slurm and target == "points":
             names = [f"slurm_{name}={value}" for name, value in (("partition", self.chosen.partition), ("account", self.chosen.account)) if value]
             command += ["--slurm", "--jobs", str(jobs), "--max-status-checks-per-second", "1", "--latency-wait", "60"]
@@ -315,7 +316,7 @@ class Job:
         with open(self.log, "wb") as log:
             # In a session of its own, so that Ctrl-C reaches it once, through this process.
             process = subprocess.Popen(command, cwd=self.work, env=environment, stdin=subprocess.DEVNULL, stdout=log,
-                                       stderr=subprocess.STDOUT, start_new_session=True, pass_fds=[self.lock])  # fmt: skip
+                                       stderr=subprocess.STDOUT, start_new_session=True, pass_fds=[self.lock])
             seen = set()
             try:
                 while process.poll() is None:

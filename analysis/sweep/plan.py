@@ -85,7 +85,7 @@ def read(path):
             raise Refused(f"{path}: 'options' must be a list of texts, not {option!r}")
         if option.split("=")[0] in OURS:
             raise Refused(f"{path}: 'options': {option.split('=')[0]} is said by the sweep itself; remove it"
-                          f"{', or write threads = N' if option.startswith('--threads') else ''}")  # fmt: skip
+                          f"{', or write threads = N' if option.startswith('--threads') else ''}")
     threads = _typed(path, raw, "threads", int, "a whole number of at least 1", 1)
     if not 1 <= threads <= 1024:
         raise Refused(f"{path}: 'threads' must be 1 to 1024, not {threads}")
@@ -103,7 +103,7 @@ def refuse_if_many(sweep, yes):
         return
     each = " x ".join(f"{name} {len(values):,}" for name, values in sweep.axes.items())
     raise Refused(f"{sweep.path}: would be {sweep.count:,} points ({each}), each a process and a file; with --yes it is done, "
-                  f"fewer than {MOST_POINTS:,} are without")  # fmt: skip
+                  f"fewer than {MOST_POINTS:,} are without")
 
 
 def points(sweep):
@@ -250,7 +250,7 @@ def _short(keys):
         parts = key.split(".")
         ends = (".".join(parts[-n:]) for n in range(1, len(parts) + 1))
         found[key] = next((end for end in ends if end not in ("seed", "config")
-                           and sum(other == end or other.endswith("." + end) for other in keys) == 1), key)  # fmt: skip
+                           and sum(other == end or other.endswith("." + end) for other in keys) == 1), key)
     return found
 
 

@@ -58,7 +58,7 @@ def run(plan, point):
 
 def _ran(plan, point, base):
     command = [plan["program"], "run", point["config"], "-o", base + ".h5", "--quiet", "--force",
-               "--threads", str(plan["threads"]), *_sets(point), *plan["options"]]  # fmt: skip
+               "--threads", str(plan["threads"]), *_sets(point), *plan["options"]]
     stopped, began = [], time.monotonic()
     with open(base + ".log", "wb") as log:
         process = subprocess.Popen(command, cwd=plan["cwd"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log)

@@ -21,6 +21,7 @@ POINT = {  # column of /points -> long name
     "steps": "steps of the result",
     "bodies": "bodies of the result",
 }
+TEXTS = ("status", "reason", "host", "processor", "digest")
 UNITS = {"wall_time_s": "s"}
 
 
@@ -54,7 +55,7 @@ def index(path, manifest):
     points = manifest["points"]
     with h5py.File(path, "w") as file:
         file.attrs.update({"sweep": manifest["sweep"], "title": manifest["title"], "date": manifest["date"],
-                           "sweep_version": 1, "parameters": json.dumps(manifest["parameters"])})  # fmt: skip
+                           "sweep_version": 1, "parameters": json.dumps(manifest["parameters"])})
         scale(file, "point", [entry["name"] for entry in points], "point of the sweep")
         rows = [(number, row) for number, entry in enumerate(points) for row in entry.get("summary", [])]
         scale(file, "row", np.arange(len(rows)), "row of /summary")
@@ -63,8 +64,9 @@ def index(path, manifest):
         for name in manifest["parameters"]:
             put(group, f"parameter_{name}", [entry["parameters"][name] for entry in points], "point", "1", f"parameter {name}")
         for name, long_name in POINT.items():
-            values = [entry.get(name) for entry in points]
-            put(group, name, [-1 if v is None else v for v in values] if name == "exit_code" else values, "point", UNITS.get(name, "1"), long_name)
+            preset = "" if name in TEXTS else -1 if name == "exit_code" else None
+            values = [preset if entry.get(name) is None else entry[name] for entry in points]
+            put(group, name, values, "point", UNITS.get(name, "1"), long_name)
         group = file.create_group("summary")
         group["row"] = file["row"]
         put(group, "point_number", np.array([number for number, _ in rows], dtype=np.int64), "row", "1", "row of /points")

@@ -62,7 +62,7 @@ def instability(run):
         "moved": well & (cases["moved"] != cases["reported"]) & (cases["truth_moved"] == cases["truth"]),
         "truth_moved": well & (cases["truth_moved"] != cases["truth"]),
         "failed": cases["failed"],
-    })  # fmt: skip
+    })
     table = table.groupby([cases[key] for key in KEY], observed=True, sort=False).sum().sort_index()
     reason = dict(zip(run.meta["algorithms"], run.failures))
     return table.assign(failure=[reason[label] for label in table.index.get_level_values("algorithm")])
@@ -93,7 +93,7 @@ def counted(cases, key):
         "true_positive": hit & meets,
         "false_positive": hit & ~meets,
         "false_negative": well & ~hit & meets,
-    })  # fmt: skip
+    })
     table = table.groupby([cases[name] for name in [*KEY, key]], observed=True).sum()
     wrong = table["false_positive"] + table["false_negative"]
     error = (wrong / (wrong + table["true_positive"])).where(wrong > 0, 0.0)

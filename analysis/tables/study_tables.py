@@ -17,7 +17,7 @@ from analysis.tables.studies import PARAMETERS, varied
 CONTROLS = ["accuracy", "fixed_step"]
 FACTORS = ["stiffness", "mass_ratio", "transition_velocity", "dissipation"]
 UNITS = {"stiffness": "Pa", "transition_velocity": "m/s", "dissipation": "s/m", "offset": "m", "radius": "m", "mass": "kg",
-         "greatest_step": "s", "speed": "m/s", "duration": "s", "thickness": "m", "inertia": "kg m²"}  # fmt: skip
+         "greatest_step": "s", "speed": "m/s", "duration": "s", "thickness": "m", "inertia": "kg m²"}
 THRESHOLDS = (1e-3, 1e-6, 1e-9)
 BOUND = studies.SOUND  # of the problem's energy
 NEAR = 10.0  # stiffness at most that many times smaller or greater than the scenes' counts as near
@@ -62,7 +62,7 @@ def work_precision(run):
     """
     rows = [rows.assign(problem=name) for name, rows in parts(studies.study(run))[1]]
     columns = ["problem", "integrator", "setting", *CONTROLS, "error", "force_evaluations", "time_s", "energy_error",
-               "status", "reason"]  # fmt: skip
+               "status", "reason"]
     return joined(rows, columns)
 
 
@@ -99,7 +99,7 @@ def cheapest(run, cost="force_evaluations"):
             lined = controlled(rows[rows["integrator"] == best["integrator"]])
             found.append((problem, threshold, best["integrator"], best["setting"], float(best[cost]), best["error"],
                           best.name not in lined.index, "" if second is None else second["integrator"],
-                          np.nan if second is None else float(second[cost]) / float(best[cost])))  # fmt: skip
+                          np.nan if second is None else float(second[cost]) / float(best[cost])))
     names = ["problem", "threshold", "integrator", "setting", "cost", "error", "apart", "runner_up", "times"]
     return pd.DataFrame(found, columns=names)
 
@@ -108,7 +108,7 @@ def controlled(rows):
     """Of one integrator the cases that a line joins, loose to tight: by accuracy, or by fixed step without any such."""
     by_accuracy = rows[rows["accuracy"].notna()]
     return (by_accuracy.sort_values("accuracy", ascending=False) if len(by_accuracy)
-            else rows.sort_values("fixed_step", ascending=False))  # fmt: skip
+            else rows.sort_values("fixed_step", ascending=False))
 
 
 def stability(run):
@@ -123,7 +123,7 @@ def stability(run):
         rows.append(found.assign(factor=factor, value=found[factor]))
     columns = ["sweep", "problem", "factor", "value", "integrator", "setting", "finished", "status", "reason",
                "energy_error", "momentum_drift", "greatest_penetration", "smallest_step", "steps", "rejected_steps",
-               "force_evaluations", "time_s"]  # fmt: skip
+               "force_evaluations", "time_s"]
     return joined(rows, columns)
 
 
@@ -151,7 +151,7 @@ def recommendation(run, stiffness=None, bound=BOUND):
     """
     stiffness = default_stiffness(run) if stiffness is None else stiffness
     names = ["integrator", "setting", *CONTROLS, "cases", "of", "holds", "worst_energy_error", "energy_error",
-             "force_evaluations", "cheapest", "recommended"]  # fmt: skip
+             "force_evaluations", "cheapest", "recommended"]
     near = []
     for name, rows in parts(studies.study(run))[0]:
         if varied(rows) == ["stiffness"]:
@@ -166,7 +166,7 @@ def recommendation(run, stiffness=None, bound=BOUND):
         worst = rows["energy_error"].iloc[rows["energy_error"].abs().fillna(np.inf).argmax()]
         found.append((integrator, setting(rows.iloc[0]), accuracy, step, len(rows), of, int(holds(rows, bound).sum()),
                       float(worst), studies.geometric(rows["energy_error"].abs().clip(lower=1e-16)),
-                      int(rows["force_evaluations"].sum()), False, False))  # fmt: skip
+                      int(rows["force_evaluations"].sum()), False, False))
     table = pd.DataFrame(found, columns=names)
     full = (table["cases"] == of) & (table["holds"] == of)
     table = table.assign(full=full).sort_values(["full", "force_evaluations"], ascending=[False, True], kind="stable")
@@ -203,7 +203,7 @@ def followed(run, others):
             "" if best is None else f"{best['integrator']} at {best['setting']}", own is not None and bool(own["recommended"]),
             np.nan if own is None else float(own["cases"] == own["of"] == own["holds"]),
             np.nan if own is None or best is None else own["force_evaluations"] / best["force_evaluations"],
-        ))  # fmt: skip
+        ))
     names = ["title", "integrator", "setting", "stiffness", "recommended", "follows", "holds", "times"]
     return pd.DataFrame(found, columns=names)
 
@@ -228,7 +228,7 @@ def extremes_of_motion(run):
     case takes although its greatest step is to be shorter).
     """
     columns = ["sweep", "case", "integrator", "finished", "status", "reason", "error", "energy_error",
-               "greatest_penetration", "steps", "force_evaluations", "preventing_step", "own_step"]  # fmt: skip
+               "greatest_penetration", "steps", "force_evaluations", "preventing_step", "own_step"]
     rest, tables = parts(studies.study(run))[2], []
     for _, rows in rest.groupby("sweep", sort=False):
         names = varied(rows)
@@ -266,7 +266,7 @@ def tunnelling(run):
     for key, mine in rows.groupby(keys, sort=False, dropna=False):
         taken = mine["fixed_step"].fillna(mine["greatest_step"])
         steps = {word: sorted(taken[which].dropna().unique(), reverse=True)
-                 for word, which in (("through", mine["status"] == "tunnelled"), ("stopped", mine["finished"]))}  # fmt: skip
+                 for word, which in (("through", mine["status"] == "tunnelled"), ("stopped", mine["finished"]))}
         found.append((*key, steps["through"], steps["stopped"], mine["preventing_step"].max()))
     return pd.DataFrame(found, columns=[*keys, "went_through", "stopped", "preventing_step"])
 

@@ -171,5 +171,5 @@ def statements(table):
             for (number, variant), row in kept.items()
         ],
         columns=["no.", "statement", "confirmed", "refuted", "refuted at"],
-    )  # fmt: skip
+    )
     return table, lost

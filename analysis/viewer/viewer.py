@@ -43,7 +43,7 @@ def add_command(commands):
     command.add_argument("--step", type=int, help="opens there; without it where the algorithm errs most")
     command.add_argument("--algorithm", metavar="LABEL", help="opens with its answers; without it the file's first")
     command.add_argument("--steps", type=_window, metavar="A:B",
-                         help=f"holds the steps A to B - 1; without it {AROUND} on either side of --step")  # fmt: skip
+                         help=f"holds the steps A to B - 1; without it {AROUND} on either side of --step")
     command.add_argument("-o", "--output", metavar="PAGE", help="without it <name of the result>_step<K>.html here")
     command.set_defaults(act=lambda chosen: say(write_page(chosen)))
 
@@ -110,7 +110,7 @@ def step_page(path, step=None, label=None, window=None, unsealed=False):
         size += sum(12 * (mesh["vertices"].shape[0] + mesh["triangles"].shape[0]) for mesh in file["meshes"].values())
     if size > MOST_BYTES:
         raise Unfit(f"{path}: meshes and steps {first}:{end} would make a page of {size / 2**20:.0f} MiB, at most "
-                    f"{MOST_BYTES >> 20} are possible; fewer --steps make it smaller")  # fmt: skip
+                    f"{MOST_BYTES >> 20} are possible; fewer --steps make it smaller")
     data = _page_data(run, first, end) | {"step": step, "chosen": label, "worst": _worst(wrong, steps)}
     return _filled(data, f"{run.meta.get('title') or pathlib.Path(path).name}, step {step}"), step
 
@@ -143,7 +143,7 @@ def _worst(wrong, steps):
     for label, counts in wrong.items():
         at = [int(np.argmax(count)) if count.any() else None for count in counts]
         found[label] = {"total": [int(count.sum()) for count in counts], "at": at,
-                        "most": [0 if k is None else int(count[k]) for k, count in zip(at, counts)]}  # fmt: skip
+                        "most": [0 if k is None else int(count[k]) for k, count in zip(at, counts)]}
     return found
 
 
@@ -223,7 +223,7 @@ def _page_data(run, first, end):
             {"label": label} | {key: str(run.meta["answers"][label].get(key, "")) for key in about} | kinds[label]
             for label in answers
         ],
-    }  # fmt: skip
+    }
 
 
 def _unit(sizes, far):

@@ -37,7 +37,7 @@ struct Bvh {
 
 Bvh build_bvh(const Mesh& mesh);
 
-/// Bytes of the hierarchy of so many facets, about: 1.4 nodes a facet (measured: 1.3 to 1.5). While it is built about
+/// Bytes of the hierarchy of that many facets, about: 1.4 nodes a facet (measured: 1.3 to 1.5). While it is built about
 /// kBuildingBvh times as many.
 inline std::uint64_t bvh_bytes(std::uint64_t facets) {
   return facets * (14 * (sizeof(Bvh::Node) + sizeof(Bvh::Bound)) / 10 + sizeof(std::uint32_t));

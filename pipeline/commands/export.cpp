@@ -176,9 +176,9 @@ std::string vtp(const Result& result, std::size_t step) {
   const std::vector<Pair> truth = result.truth.scoring(step);
   std::string cells = data.array<std::uint32_t>("body", "UInt32", body) + per_triangle("truth_hits", truth);
   for (const Answers& answers : result.answers) {
-    std::vector<Pair> invented = without(answers.hits.at(step), truth);
-    if (result.truth.containment == Containment::record) invented = without(invented, result.truth.contained.at(step));
-    cells += per_triangle("false_positive_" + escaped(answers.label), invented);
+    std::vector<Pair> wrong = without(answers.hits.at(step), truth);
+    if (result.truth.containment == Containment::record) wrong = without(wrong, result.truth.contained.at(step));
+    cells += per_triangle("false_positive_" + escaped(answers.label), wrong);
     cells += per_triangle("false_negative_" + escaped(answers.label), without(truth, answers.hits.at(step)));
   }
 

@@ -6,6 +6,8 @@
 
 #include "algorithms/contract/algorithm.hpp"
 #include "pipeline/commands/command.hpp"
+#include "pipeline/keys.hpp"
+#include "pipeline/result/datasets.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/study/problem.hpp"
 #include "pipeline/terminal/print.hpp"
@@ -104,9 +106,73 @@ Json algorithm_json(const algorithms::Algorithm& row) {
           {"library", library.name.empty() ? Json() : Json{{"name", library.name}, {"version", library.version}}},
           {"knobs", knobs}};
 }
+
+/// "falling, box", or "every scene" and "every study" for what all of them have.
+std::string where_text(const std::vector<std::string>& where) {
+  std::vector<std::string> left = where;
+  std::string text;
+  const auto take = [&](const std::vector<NamedText>& all, const char* word) {
+    const auto has = [&](const NamedText& row) { return std::ranges::find(left, row.name) != left.end(); };
+    if (!std::ranges::all_of(all, has)) return;
+    for (const NamedText& row : all) std::erase(left, row.name);
+    text += (text.empty() ? "" : ", ") + std::string(word);
+  };
+  take(named("scenes"), "every scene");
+  take(named("problems"), "every study");
+  take(named("shapes"), "every shape");
+  for (const std::string& name : left) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string keys_text() {
+  std::string text;
+  for (const KeyFacts& facts : key_facts()) {
+    text += facts.key.path + (facts.key.preset.empty() ? "" : " = " + facts.key.preset) +
+            (facts.unit == "1" ? "" : " " + facts.unit) + "\n    " + facts.what + "\n    " + facts.key.rule + "; in " +
+            where_text(facts.where) + "\n";
+  }
+  return text;
+}
+
+Json keys_json() {
+  Json json = Json::array();
+  for (const KeyFacts& facts : key_facts())
+    json.push_back({{"name", facts.key.path},
+                    {"type", facts.key.type},
+                    {"preset", facts.key.preset.empty() ? Json() : Json(facts.key.preset)},
+                    {"rule", facts.key.rule},
+                    {"unit", facts.unit},
+                    {"what", facts.what},
+                    {"where", where_text(facts.where)}});
+  return json;
+}
+
+std::string datasets_text() {
+  std::string text;
+  for (const DatasetFacts& facts : dataset_facts())
+    text += facts.path + (facts.shape.empty() ? "" : " (" + facts.shape + ")") + " " + facts.type +
+            (facts.unit == "1" ? "" : " " + facts.unit) + "\n    " + facts.long_name + "\n    present: " + facts.when +
+            "\n";
+  return text;
+}
+
+Json datasets_json() {
+  Json json = Json::array();
+  for (const DatasetFacts& facts : dataset_facts())
+    json.push_back({{"name", facts.path},
+                    {"shape", facts.shape},
+                    {"type", facts.type},
+                    {"unit", facts.unit},
+                    {"what", facts.long_name},
+                    {"when", facts.when}});
+  return json;
+}
+
 }  // namespace
 
 std::string list_text(const std::string& what) {
+  if (what == "keys") return keys_text();
+  if (what == "datasets") return datasets_text();
   std::string text;
   if (what != "algorithms") {
     for (const NamedText& row : rows_of(what)) text += print("%-20s %s", row.name, row.what) + "\n";
@@ -119,6 +185,8 @@ std::string list_text(const std::string& what) {
 }
 
 std::string list_json(const std::string& what) {
+  if (what == "keys") return dumped(keys_json());
+  if (what == "datasets") return dumped(datasets_json());
   Json json = Json::array();
   if (what != "algorithms") {
     for (const NamedText& row : rows_of(what)) json.push_back({{"name", row.name}, {"what", row.what}});
@@ -138,10 +206,10 @@ void add_list(CLI::App& program, int& code) {
     bool json = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App& command = *program.add_subcommand("list", "List what configurations can name");
-  command.add_option("WHAT", o->what, "algorithms, scenes, shapes, integrators or problems")
+  CLI::App& command = *program.add_subcommand("list", "List what configurations can name and results hold");
+  command.add_option("WHAT", o->what, "algorithms, scenes, shapes, integrators, problems, keys or datasets")
       ->required()
-      ->check(CLI::IsMember({"algorithms", "scenes", "shapes", "integrators", "problems"}));
+      ->check(CLI::IsMember({"algorithms", "scenes", "shapes", "integrators", "problems", "keys", "datasets"}));
   add_json(command, o->json);
   command.callback([o, &code] {
     put((o->json ? list_json : list_text)(o->what));

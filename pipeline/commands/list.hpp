@@ -1,4 +1,5 @@
-// `pipeline list WHAT`: what configurations can name. WHAT is algorithms, scenes, shapes, integrators or problems.
+// `pipeline list WHAT`: what configurations can name. WHAT is algorithms, scenes, shapes, integrators,
+// problems, keys (of a configuration) or datasets (of a result).
 #pragma once
 #include <string>
 

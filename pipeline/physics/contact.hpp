@@ -1,5 +1,5 @@
-// Contacts of spheres and boxes, and their force. C++17 with Simbody's small vectors: only the target that integrates
-// sees it.
+// Contacts of spheres and boxes, and their force. A body has one sphere, several, or is a box. C++17 with Simbody's
+// small vectors: only the target that integrates sees it.
 //
 // The law is that of Simbody's CompliantContactSubsystem for Hertz circular contact (its header and the documentation
 // of ContactMaterial), so that the two can be compared: tests/pipeline/simulate_simbody_test.cpp does.
@@ -24,6 +24,8 @@ struct Sphere {
   int body;
   bool fixed;
   double radius;
+  Vec3 centre{0};  // in its body's frame
+  bool centred = true;
 };
 
 struct Box {
@@ -48,57 +50,79 @@ struct Contact {
   double radius;  // effective
 };
 
-/// Pairs of spheres that may touch: a hash grid of cells at least as wide as the greatest sphere. Coordinates of cells
-/// are compared, not only their hashes, so the pairs depend on neither hash nor table; they come sorted.
+/// Pairs of spheres that may touch: hash grids, one for the spheres of about the same size, of cells at least as wide
+/// as the greatest of them. A sphere looks into its own grid and those of greater ones, so that small ones never look
+/// through a cell full of small ones for a great one's sake. Coordinates of cells are compared, not only their hashes,
+/// so the pairs depend on neither hash nor table; they come sorted.
 class Grid {
  public:
-  /// Replaces `pairs` by all i < j (not both fixed) whose centres are less than radius_i + radius_j + margin apart.
-  void find(const std::vector<Sphere>& spheres, const std::vector<Kinematics>& bodies, double margin,
+  /// Replaces `pairs` by all i < j (of two bodies, not both fixed) whose centres are less than radius_i + radius_j +
+  /// margin apart.
+  void find(const std::vector<Sphere>& spheres, const std::vector<Vec3>& centres, double margin,
             std::vector<std::pair<int, int>>& pairs) {
     pairs.clear();
     const int count = static_cast<int>(spheres.size());
     if (count < 2) return;
     double greatest = 0;
     for (const Sphere& sphere : spheres) greatest = std::max(greatest, sphere.radius);
-    // A little wider than needed: the quotient below is rounded.
-    const double cell = (2 * greatest + margin) * 1.001;
 
     std::size_t size = 16;
     while (size < 2 * spheres.size()) size *= 2;
     first_.assign(size, -1);
     next_.resize(spheres.size());
     cells_.resize(spheres.size());
+    std::array<bool, kLevels> used{};
     for (int i = count - 1; i >= 0; --i) {
-      const Vec3& centre = bodies[spheres[i].body].position;
-      for (int axis = 0; axis < 3; ++axis) {
-        // Bodies beyond the limits (2^30 cells) share the outermost cells: slower, but nothing is missed.
-        const double coordinate = std::floor(centre[axis] / cell);
-        cells_[i][axis] = static_cast<std::int32_t>(std::max(-kLimit, std::min(kLimit, coordinate)));
-      }
+      int level = 0;
+      for (double radius = greatest / 2; level + 1 < kLevels && spheres[i].radius <= radius; radius /= 2) ++level;
+      used[level] = true;
+      cells_[i] = cell(centres[i], level, greatest, margin);
       const std::size_t slot = hash(cells_[i]) & (size - 1);
       next_[i] = first_[slot];
       first_[slot] = i;
     }
+    const bool one_level = std::count(used.begin(), used.end(), true) == 1;
     for (int i = 0; i < count; ++i) {
       const std::size_t begin = pairs.size();
-      for (int x = -1; x <= 1; ++x)
-        for (int y = -1; y <= 1; ++y)
-          for (int z = -1; z <= 1; ++z) {
-            const Cell around{cells_[i][0] + x, cells_[i][1] + y, cells_[i][2] + z};
-            for (int j = first_[hash(around) & (size - 1)]; j >= 0; j = next_[j]) {
-              if (j <= i || cells_[j] != around || (spheres[i].fixed && spheres[j].fixed)) continue;
-              const double reach = spheres[i].radius + spheres[j].radius + margin;
-              const Vec3 between = bodies[spheres[j].body].position - bodies[spheres[i].body].position;
-              if (between.normSqr() < reach * reach) pairs.emplace_back(i, j);
+      for (int level = 0; level <= cells_[i][3]; ++level) {
+        if (!used[level]) continue;
+        const bool own = level == cells_[i][3];
+        const Cell here = own ? cells_[i] : cell(centres[i], level, greatest, margin);
+        for (int x = -1; x <= 1; ++x)
+          for (int y = -1; y <= 1; ++y)
+            for (int z = -1; z <= 1; ++z) {
+              const Cell around{here[0] + x, here[1] + y, here[2] + z, level};
+              for (int j = first_[hash(around) & (size - 1)]; j >= 0; j = next_[j]) {
+                if ((own && j <= i) || cells_[j] != around || spheres[i].body == spheres[j].body ||
+                    (spheres[i].fixed && spheres[j].fixed))
+                  continue;
+                const double reach = spheres[i].radius + spheres[j].radius + margin;
+                if ((centres[j] - centres[i]).normSqr() < reach * reach) pairs.emplace_back(std::minmax(i, j));
+              }
             }
-          }
-      std::sort(pairs.begin() + static_cast<std::ptrdiff_t>(begin), pairs.end());
+      }
+      if (one_level) std::sort(pairs.begin() + static_cast<std::ptrdiff_t>(begin), pairs.end());
     }
+    if (!one_level) std::sort(pairs.begin(), pairs.end());
   }
 
  private:
-  using Cell = std::array<std::int32_t, 3>;
+  using Cell = std::array<std::int32_t, 4>;  // x, y, z and the level
   static constexpr double kLimit = 1 << 30;
+  static constexpr int kLevels = 8;  // each for radii up to half those of the one before; the last for all smaller ones
+
+  static Cell cell(const Vec3& centre, int level, double greatest, double margin) {
+    // A little wider than needed: the quotient below is rounded.
+    const double width = (2 * std::ldexp(greatest, -level) + margin) * 1.001;
+    Cell out;
+    for (int axis = 0; axis < 3; ++axis) {
+      // Bodies beyond the limits (2^30 cells) share the outermost cells: slower, but nothing is missed.
+      const double coordinate = std::floor(centre[axis] / width);
+      out[axis] = static_cast<std::int32_t>(std::max(-kLimit, std::min(kLimit, coordinate)));
+    }
+    out[3] = level;
+    return out;
+  }
 
   static std::size_t hash(const Cell& cell) {
     std::uint64_t h = 0;
@@ -110,10 +134,10 @@ class Grid {
   std::vector<Cell> cells_;
 };
 
-/// Sphere `s` and box `b`: the closest point of the box decides; a centre inside is pushed out through the nearest
-/// face.
-inline bool touch(const Box& box, const Kinematics& b, const Sphere& sphere, const Kinematics& s, Contact& contact) {
-  const Vec3 apart = s.position - b.position;
+/// A sphere with its centre at `s` and box `b`: the closest point of the box decides; a centre inside is pushed out
+/// through the nearest face.
+inline bool touch(const Box& box, const Kinematics& b, const Sphere& sphere, const Vec3& s, Contact& contact) {
+  const Vec3 apart = s - b.position;
   const Vec3& half = box.half_extents;
   const double reach = sphere.radius;
   const Vec3 centre = ~b.orientation * apart;
@@ -141,14 +165,14 @@ inline bool touch(const Box& box, const Kinematics& b, const Sphere& sphere, con
   contact.b = sphere.body;
   contact.depth = reach - distance;
   contact.normal = b.orientation * normal;
-  contact.point = s.position - (reach - contact.depth / 2) * contact.normal;
+  contact.point = s - (reach - contact.depth / 2) * contact.normal;
   contact.radius = reach;  // a face is flat; edges and corners take the same
   return contact.depth > 0;
 }
 
-inline bool touch(const Sphere& sphere_a, const Kinematics& a, const Sphere& sphere_b, const Kinematics& b,
-                  Contact& contact) {
-  const Vec3 apart = b.position - a.position;
+/// Spheres with their centres at `a` and `b`.
+inline bool touch(const Sphere& sphere_a, const Vec3& a, const Sphere& sphere_b, const Vec3& b, Contact& contact) {
+  const Vec3 apart = b - a;
   const double reach = sphere_a.radius + sphere_b.radius;
   const double distance_squared = apart.normSqr();
   if (distance_squared >= reach * reach) return false;
@@ -158,7 +182,7 @@ inline bool touch(const Sphere& sphere_a, const Kinematics& a, const Sphere& sph
   contact.depth = reach - distance;
   // Coincident centres have no direction; any one parts them.
   contact.normal = distance > 0 ? Vec3(apart / distance) : Vec3(0, 1, 0);
-  contact.point = a.position + (sphere_a.radius - contact.depth / 2) * contact.normal;
+  contact.point = a + (sphere_a.radius - contact.depth / 2) * contact.normal;
   contact.radius = sphere_a.radius * sphere_b.radius / reach;
   return contact.depth > 0;
 }
@@ -170,34 +194,42 @@ class Neighbours {
   Neighbours() = default;
   Neighbours(std::vector<Sphere> spheres, std::vector<Box> boxes)
       : spheres_(std::move(spheres)), boxes_(std::move(boxes)), centres_(spheres_.size()), beside_(boxes_.size()) {
-    double greatest = 0;
-    for (const Sphere& sphere : spheres_) greatest = std::max(greatest, sphere.radius);
-    margin_ = kMargin * greatest;
+    double sum = 0, moving = 0;
+    for (const Sphere& sphere : spheres_) {
+      if (sphere.fixed) continue;
+      sum += sphere.radius;
+      moving += 1;
+    }
+    if (moving > 0) margin_ = kMargin * (sum / moving);
   }
 
   /// Replaces `contacts` by what touches. In a defined order, since sums of doubles depend on it: spheres by their
   /// numbers, then each box's spheres.
   void find(const std::vector<Kinematics>& bodies, std::vector<Contact>& contacts) {
     contacts.clear();
-    for (std::size_t i = 0; i < spheres_.size(); ++i) centres_[i] = bodies[spheres_[i].body].position;
+    for (std::size_t i = 0; i < spheres_.size(); ++i) {
+      const Sphere& sphere = spheres_[i];
+      if (sphere.fixed && !searched_.empty()) continue;
+      const Kinematics& body = bodies[sphere.body];
+      centres_[i] = sphere.centred ? body.position : body.position + body.orientation * sphere.centre;
+    }
     if (moved()) search(bodies);
     Contact contact;
     for (const auto& [i, j] : pairs_) {
       const Sphere& a = spheres_[i];
       const Sphere& b = spheres_[j];
       const double reach = a.radius + b.radius;
-      if ((centres_[j] - centres_[i]).normSqr() < reach * reach && touch(a, bodies[a.body], b, bodies[b.body], contact))
+      if ((centres_[j] - centres_[i]).normSqr() < reach * reach && touch(a, centres_[i], b, centres_[j], contact))
         contacts.push_back(contact);
     }
     for (std::size_t k = 0; k < boxes_.size(); ++k)
       for (const int i : beside_[k])
-        if (touch(boxes_[k], bodies[boxes_[k].body], spheres_[i], bodies[spheres_[i].body], contact))
-          contacts.push_back(contact);
+        if (touch(boxes_[k], bodies[boxes_[k].body], spheres_[i], centres_[i], contact)) contacts.push_back(contact);
   }
 
  private:
-  // Of the greatest radius. Falling spheres would be 2 % faster with 1, those at rest slower; below 0.2 both are
-  // slower.
+  // Of the radius, on average, of those that move. Falling spheres would be 2 % faster with 1, those at rest slower;
+  // below 0.2 both are slower.
   static constexpr double kMargin = 0.4;
 
   bool moved() const {
@@ -210,7 +242,7 @@ class Neighbours {
 
   void search(const std::vector<Kinematics>& bodies) {
     searched_ = centres_;
-    grid_.find(spheres_, bodies, margin_, pairs_);
+    grid_.find(spheres_, centres_, margin_, pairs_);
     for (std::size_t k = 0; k < boxes_.size(); ++k) {
       beside_[k].clear();
       for (std::size_t i = 0; i < spheres_.size(); ++i)
@@ -220,7 +252,7 @@ class Neighbours {
 
   /// A box that moves may turn, so all spheres are its neighbours.
   bool may_touch(const Box& box, const Kinematics& b, std::size_t i) const {
-    if (!box.fixed) return true;
+    if (!box.fixed) return spheres_[i].body != box.body;
     if (spheres_[i].fixed) return false;
     const Vec3 centre = ~b.orientation * (centres_[i] - b.position);
     const double reach = spheres_[i].radius + margin_;

@@ -40,7 +40,7 @@ std::vector<Moving> moving_bodies(const std::vector<RigidBody>& bodies) {
     Moving moving{static_cast<int>(i), body.mass, vec3(body.centre_of_mass), inertia_of(body)};
     moving.centred = moving.centre == Vec3(0);
     moving.isotropic = is_isotropic(moving.inertia);
-    moving.needs_orientation = !body.sphere || !moving.centred || !moving.isotropic;
+    moving.needs_orientation = !body.sphere || !body.spheres.empty() || !moving.centred || !moving.isotropic;
     out.push_back(moving);
   }
   return out;
@@ -74,6 +74,11 @@ Forces::Forces(const std::vector<RigidBody>& bodies, const Physics& physics, con
     fixed_.push_back(bodies[i].fixed);
     kinematics_[i].position = vec3(states[i].position);
     kinematics_[i].orientation = Rotation(SimTK::Quaternion(q[0], q[1], q[2], q[3]));
+    for (const ContactSphere& sphere : bodies[i].spheres) {
+      const Vec3 centre = vec3(sphere.centre);
+      spheres.push_back({static_cast<int>(i), bodies[i].fixed, sphere.radius, centre, centre == Vec3(0)});
+    }
+    if (!bodies[i].spheres.empty()) continue;
     if (bodies[i].sphere)
       spheres.push_back({static_cast<int>(i), bodies[i].fixed, bodies[i].radius});
     else

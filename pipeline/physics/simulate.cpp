@@ -107,10 +107,16 @@ void check(const std::vector<RigidBody>& bodies, const Physics& physics, const s
     else
       for (const double half : body.half_extents) require(positive(half), who + "half extents must be positive");
     require(body.fixed || positive(body.mass), who + "the mass must be positive");
-    require(body.fixed || !body.sphere || positive(body.inertia), who + "the inertia must be positive");
+    const bool has_matrix = body.inertia_matrix != std::array<double, 6>{};
+    require(body.fixed || !body.sphere || has_matrix || positive(body.inertia), who + "the inertia must be positive");
+    require(body.spheres.empty() || body.sphere, who + "a box has no contact spheres");
+    require(body.fixed || body.spheres.empty() || has_matrix, who + "several contact spheres need an inertia matrix");
+    for (const ContactSphere& sphere : body.spheres)
+      require(positive(sphere.radius) && finite(vec3(sphere.centre)),
+              who + "contact spheres must have a positive radius and a finite centre");
     require(finite(vec3(body.centre_of_mass)), who + "the centre of mass must be finite");
     require(
-        body.fixed || body.inertia_matrix == std::array<double, 6>{} || is_inertia(body.inertia_matrix),
+        body.fixed || !has_matrix || is_inertia(body.inertia_matrix),
         who +
             "the inertia matrix must be that of a body: positive definite, no principal moment above the sum of the "
             "others");

@@ -2,7 +2,8 @@
 // sees of the one target that includes Simbody (its headers are not valid C++20).
 //
 // Contact is our own Force::Custom: Hunt-Crossley (Hertz with dissipation) and Simbody's friction law, sphere with
-// sphere on a uniform grid and sphere with finite box. Box with box has no contact.
+// sphere on hash grids and sphere with finite box. Box with box has no contact. A body may have several spheres, which
+// stand for its surface.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -24,7 +25,14 @@ struct Material {
   double transition_velocity = 0.5;  // m/s; a smaller one costs steps
 };
 
-/// A sphere or a box, centred on its frame's origin; of uniform density unless it says otherwise.
+/// Where a body is touched: a sphere in its frame, m.
+struct ContactSphere {
+  std::array<double, 3> centre{};
+  double radius = 1;
+};
+
+/// A sphere or a box, centred on its frame's origin, of uniform density unless it says otherwise; or any body, touched
+/// by several spheres.
 struct RigidBody {
   bool fixed = false;
   bool sphere = true;                    // else a box
@@ -36,6 +44,9 @@ struct RigidBody {
   // of inertia about that, along the axes of its frame: xx, yy, zz, xy, xz, yz in kg m^2. All zero: as said above.
   std::array<double, 3> centre_of_mass{};
   std::array<double, 6> inertia_matrix{};
+  // Where it is touched instead, as a sphere whose `radius` from its origin holds all of them; they do not touch each
+  // other. Its moments of inertia are those of the matrix above.
+  std::vector<ContactSphere> spheres;
   // A pendulum: it only turns about the line through `pivot` m parallel to z, like a door. Its position must be `pivot`
   // less its own y axis times the distance.
   bool hung = false;

@@ -226,6 +226,7 @@ Group mesh(const geometry::Mesh& mesh, std::optional<double> closed_within) {
                {"surface_deviation", mesh.surface_deviation}},
               {}};
   if (closed_within) group.attributes.push_back({"closed_within", *closed_within});
+  if (!mesh.contact_spheres.empty()) group.attributes.push_back({"contact_deviation", mesh.contact_deviation});
   auto& datasets = group.datasets;
   datasets.push_back(bare_scale(vertex, "vertices of the mesh"));
   datasets.push_back(bare_scale(triangle, "triangles of the mesh"));
@@ -235,6 +236,16 @@ Group mesh(const geometry::Mesh& mesh, std::optional<double> closed_within) {
                             "vertices in the mesh's own frame", Type::f64));
   datasets.push_back(viewed(path + "/triangles", std::span(mesh.triangles), {triangle, corner}, "1",
                             "vertices of the triangles, counter-clockwise seen from outside", Type::u32));
+  if (mesh.contact_spheres.empty()) return group;
+  const Dimension sphere{path + "/sphere", mesh.contact_spheres.size()};
+  const Dimension part{path + "/part", 4};
+  datasets.push_back(bare_scale(sphere, "contact spheres of the mesh"));
+  datasets.push_back(scale(texts(part.scale, {"x", "y", "z", "radius"}, {part}, "centre and radius of a sphere")));
+  std::vector<double> spheres;
+  for (const geometry::ContactBall& ball : mesh.contact_spheres)
+    spheres.insert(spheres.end(), {ball.centre.x(), ball.centre.y(), ball.centre.z(), ball.radius});
+  datasets.push_back(owning(path + "/contact_spheres", spheres, {sphere, part}, "m",
+                            "spheres inside the mesh by which its bodies touched others"));
   return group;
 }
 

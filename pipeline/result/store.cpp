@@ -247,6 +247,11 @@ geometry::Mesh read_mesh(const Reader& from, const std::string& name) {
   mesh.shape = json_object(from, path, "shape");
   mesh.surface_deviation = from.attribute<double>(path, "surface_deviation");
   mesh.sphere_radius = sphere_radius(mesh.shape);
+  if (!from.has(path + "/contact_spheres")) return mesh;
+  for (const auto& [x, y, z, radius] :
+       from.values<std::array<double, 4>>(path + "/contact_spheres", Type::f64, {kAny, 4}))
+    mesh.contact_spheres.push_back({{x, y, z}, radius});
+  mesh.contact_deviation = from.attribute<double>(path, "contact_deviation");
   return mesh;
 }
 

@@ -44,6 +44,20 @@ std::string alternatives(const std::vector<std::string>& words) {
   return out;
 }
 
+std::string integer_rule(std::int64_t least, std::int64_t most) {
+  const bool open = most == std::numeric_limits<std::int64_t>::max();
+  return open ? "an integer of at least " + std::to_string(least)
+              : "an integer between " + std::to_string(least) + " and " + std::to_string(most);
+}
+
+/// An array as TOML.
+template <class Values>
+std::string array_text(const Values& values) {
+  std::string out;
+  for (const auto& value : values) out += (out.empty() ? "" : ", ") + value_text(value);
+  return out.empty() ? out : '[' + out + ']';
+}
+
 /// toml++'s own words in one line.
 std::string reason(const toml::parse_error& error) {
   std::string why(error.description());
@@ -215,6 +229,10 @@ Section::Section(const Document& document, const toml::table* table, std::string
 
 std::string Section::full(std::string_view key) const { return (path_.empty() ? "" : path_ + '.') + std::string(key); }
 
+void Section::tell(std::string_view key, const char* type, const std::string& preset, const std::string& rule) const {
+  document_->ear_({full(key), type, preset, rule});
+}
+
 const toml::node* Section::node(std::string_view key) const { return table_ ? table_->get(key) : nullptr; }
 
 void Section::refuse_node(std::string_view key, const toml::node& node, const std::string& rule,
@@ -232,6 +250,8 @@ void Section::fail(const std::string& text) const {
 }
 
 const Section& Section::only(const std::vector<std::string>& known) const {
+  for (const std::string& key : known)
+    if (document_->ear_) tell(key, "", "", "");
   if (!table_) return *this;
   const toml::key* unknown = nullptr;  // the first in the file, to be mended from the top
   const auto position = [](const toml::key& key) {
@@ -270,6 +290,7 @@ std::vector<Section> Section::sections(std::string_view key) const {
 }
 
 std::string Section::text(std::string_view key, const std::string& preset) const {
+  if (document_->ear_) tell(key, "text", preset.empty() ? "" : in_quotes(preset), "text");
   const toml::node* node = this->node(key);
   if (!node) return preset;
   if (!node->is_string()) refuse(key, "be text", "text stands in quotes");
@@ -278,9 +299,10 @@ std::string Section::text(std::string_view key, const std::string& preset) const
 
 std::string Section::choice(std::string_view key, const std::string& preset,
                             const std::vector<std::string>& known) const {
+  if (document_->ear_) tell(key, "text", preset.empty() ? "" : in_quotes(preset), alternatives(known));
   const std::string rule = "be " + alternatives(known);
   if (has(key) && !node(key)->is_string()) refuse(key, rule);
-  const std::string value = text(key, preset);
+  const std::string value = has(key) ? node(key)->as_string()->get() : preset;
   if (!has(key) || std::ranges::find(known, value) != known.end()) return value;
   const std::string meant = nearest(value, known);
   refuse(key, rule, meant.empty() ? "" : "did you mean '" + meant + "'?");
@@ -288,6 +310,8 @@ std::string Section::choice(std::string_view key, const std::string& preset,
 
 std::vector<std::string> Section::choices(std::string_view key, const std::vector<std::string>& preset,
                                           const std::vector<std::string>& known) const {
+  if (document_->ear_)
+    tell(key, "array", array_text(preset), "an array of at least one text, each " + alternatives(known));
   if (!has(key)) return preset;
   const toml::array* array = node(key)->as_array();
   if (!array || array->empty()) refuse(key, "be an array of at least one text, each " + alternatives(known));
@@ -301,6 +325,7 @@ std::vector<std::string> Section::choices(std::string_view key, const std::vecto
 }
 
 std::vector<std::string> Section::texts(std::string_view key) const {
+  if (document_->ear_) tell(key, "array", "", "an array of texts");
   std::vector<std::string> out;
   if (!has(key)) return out;
   const toml::array* array = node(key)->as_array();
@@ -313,6 +338,7 @@ std::vector<std::string> Section::texts(std::string_view key) const {
 }
 
 bool Section::boolean(std::string_view key, bool preset) const {
+  if (document_->ear_) tell(key, "boolean", preset ? "true" : "false", "true or false");
   if (!has(key)) return preset;
   const auto* value = node(key)->as_boolean();
   if (!value) refuse(key, "be true or false");
@@ -325,10 +351,7 @@ std::int64_t Section::integer_of(std::string_view key, const toml::node& node, s
                                  std::int64_t most) const {
   const auto* value = node.as_integer();
   if (value && least <= value->get() && value->get() <= most) return value->get();
-  const bool open = most == std::numeric_limits<std::int64_t>::max();
-  refuse_node(key, node,
-              open ? "be an integer of at least " + std::to_string(least)
-                   : "be an integer between " + std::to_string(least) + " and " + std::to_string(most));
+  refuse_node(key, node, "be " + integer_rule(least, most));
 }
 
 double Section::real_of(std::string_view key, const toml::node& node, const Range& range) const {
@@ -340,15 +363,20 @@ double Section::real_of(std::string_view key, const toml::node& node, const Rang
 }
 
 std::int64_t Section::integer(std::string_view key, std::int64_t preset, std::int64_t least, std::int64_t most) const {
+  if (document_->ear_) tell(key, "integer", preset < least ? "" : std::to_string(preset), integer_rule(least, most));
   return has(key) ? integer_of(key, *node(key), least, most) : preset;
 }
 
 double Section::real(std::string_view key, double preset, const Range& range) const {
+  if (document_->ear_) tell(key, "number", range.holds(preset) ? real_text(preset) : "", range.rule());
   return has(key) ? real_of(key, *node(key), range) : preset;
 }
 
 void Section::integers(std::string_view key, std::span<std::int64_t> values, std::int64_t least,
                        std::int64_t most) const {
+  if (document_->ear_)
+    tell(key, "array", array_text(values),
+         "an array of " + std::to_string(values.size()) + ", each " + integer_rule(least, most));
   if (!has(key)) return;
   const toml::array* array = node(key)->as_array();
   if (!array || array->size() != values.size())
@@ -357,6 +385,10 @@ void Section::integers(std::string_view key, std::span<std::int64_t> values, std
 }
 
 void Section::reals(std::string_view key, std::span<double> values, const Range& range) const {
+  const bool preset = std::ranges::all_of(values, [&](double value) { return range.holds(value); });
+  if (document_->ear_)
+    tell(key, "array", preset ? array_text(values) : "",
+         "an array of " + std::to_string(values.size()) + ", each " + range.rule());
   if (!has(key)) return;
   const toml::array* array = node(key)->as_array();
   if (!array || array->size() != values.size())
@@ -366,6 +398,7 @@ void Section::reals(std::string_view key, std::span<double> values, const Range&
 
 std::vector<double> Section::numbers(std::string_view key, const std::vector<double>& preset,
                                      const Range& range) const {
+  if (document_->ear_) tell(key, "array", array_text(preset), "an array of at least one, each " + range.rule());
   if (!has(key)) return preset;
   const toml::array* array = node(key)->as_array();
   if (!array || array->empty()) refuse(key, "be an array of at least one number");
@@ -375,6 +408,8 @@ std::vector<double> Section::numbers(std::string_view key, const std::vector<dou
 }
 
 std::vector<double> Section::numbers(std::string_view key, const Range& range, bool whole) const {
+  if (document_->ear_)
+    tell(key, whole ? "integer" : "number", "", range.rule() + (whole ? ", whole" : "") + ", or an array of such");
   std::vector<double> out;
   if (!has(key)) return out;
   const auto add = [&](std::string_view name, const toml::node& entry) {
@@ -392,6 +427,7 @@ std::vector<double> Section::numbers(std::string_view key, const Range& range, b
 std::vector<std::pair<std::string, double>> Section::named_reals(std::string_view key,
                                                                  const std::vector<std::string>& known,
                                                                  const Range& range) const {
+  if (document_->ear_) tell(key, "array", "", "an array of [" + alternatives(known) + ", " + range.rule() + "]");
   std::vector<std::pair<std::string, double>> out;
   if (!has(key)) return out;
   const std::string form = "[" + alternatives(known) + ", number]";

@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -34,6 +35,14 @@ struct Range {
   std::string rule() const;  // "a number above 0 and at most 5"
 };
 
+/// A key as its reader asks for it.
+struct AskedKey {
+  std::string path;    // dotted; an entry of an array by its number
+  std::string type;    // "integer", "number", "text", "boolean", "array"; "": its name is allowed, no more is known
+  std::string preset;  // as TOML; empty: there is none
+  std::string rule;    // what follows "must be", e.g. "a number above 0"
+};
+
 /// A tree of tables, arrays and values, and where each part of it was written.
 class Document {
  public:
@@ -55,6 +64,9 @@ class Document {
   /// KEY, otherwise Error(kInput); "--set KEY=VALUE: ...".
   void set(const std::string& argument);
 
+  /// Tells `ear` of every key that is asked for from now on, whether it is there or not.
+  void listen(std::function<void(const AskedKey&)> ear) { ear_ = std::move(ear); }
+
  private:
   friend class Section;
   /// Where `node` under the dotted `path` was written: file:line:column, or the --set that put it there.
@@ -64,6 +76,7 @@ class Document {
   std::string file_;
   std::unique_ptr<toml::table> root_;
   std::map<std::string, std::string> set_places_;  // dotted path → "--set ..."
+  std::function<void(const AskedKey&)> ear_;
 };
 
 /// One table of a document, or none: then every key is absent. An absent key gives its preset; whatever breaks a rule
@@ -95,7 +108,7 @@ class Section {
   std::int64_t integer(std::string_view key, std::int64_t preset, std::int64_t least,
                        std::int64_t most = std::numeric_limits<std::int64_t>::max()) const;
   double real(std::string_view key, double preset, const Range& range) const;
-  /// Arrays of exactly so many; `values` are presets before and the answer after.
+  /// Arrays of exactly that many; `values` are presets before and the answer after.
   void integers(std::string_view key, std::span<std::int64_t> values, std::int64_t least, std::int64_t most) const;
   void reals(std::string_view key, std::span<double> values, const Range& range) const;
   /// An array of at least one number.
@@ -114,7 +127,7 @@ class Section {
   template <class Values>
   void refuse_twice(std::string_view key, const Values& values) const {
     for (auto value = values.begin(); value != values.end(); ++value)
-      if (std::find(values.begin(), value, *value) != value) refuse(key, "name each but once", "remove the second");
+      if (std::find(values.begin(), value, *value) != value) refuse(key, "name each only once", "remove the second");
   }
   /// Throws `text` with the place of the table.
   [[noreturn]] void fail(const std::string& text) const;
@@ -126,6 +139,8 @@ class Section {
  private:
   Section(const Document& document, const toml::table* table, std::string path);
   const toml::node* node(std::string_view key) const;
+  /// Where somebody listens.
+  void tell(std::string_view key, const char* type, const std::string& preset, const std::string& rule) const;
   [[noreturn]] void refuse_node(std::string_view key, const toml::node& node, const std::string& rule,
                                 const std::string& remedy = "") const;
   std::int64_t integer_of(std::string_view key, const toml::node& node, std::int64_t least, std::int64_t most) const;

@@ -237,7 +237,7 @@ PlaygroundPath read_path(const Section& s, const std::vector<std::string>& obsta
     s.only({"name", "targets", "from", "to", "rotation", "orientation"});
     for (const char* key : {"from", "to"})
       if (!s.has(key)) s.fail("missing key '" + s.full(key) + "'; a path has an axis, or from and to");
-    double from[3], to[3];
+    double from[3] = {}, to[3] = {};
     s.reals("from", from, kCoordinate);
     s.reals("to", to, kCoordinate);
     path.from = {from[0], from[1], from[2]};

@@ -3,20 +3,16 @@
 //
 // Keys are read without touching the files they name, because a result's own configuration is read again long after
 // they are gone. The files are read once, when the configuration is (complete), and kept with it.
-#include <fcntl.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "geometry/decision/contain.hpp"
-#include "geometry/decision/shells.hpp"
 #include "geometry/meshes/mesh_file.hpp"
-#include "pipeline/result/provenance.hpp"
 #include "pipeline/result/store.hpp"
+#include "pipeline/scene/mesh_input.hpp"
 #include "pipeline/scene/poses_csv.hpp"
 #include "pipeline/scene/scene.hpp"
-#include "pipeline/system/file_bytes.hpp"
 #include "pipeline/terminal/error.hpp"
 
 namespace pipeline {
@@ -32,15 +28,11 @@ struct ReplayInputs {
 };
 
 namespace {
-namespace fs = std::filesystem;
 
 constexpr double kNormTolerance = 1e-6;
 constexpr Range kAnyCoordinate{.least = -geometry::kGreatestCoordinate, .most = geometry::kGreatestCoordinate};
 
 // ---- Keys --------------------------------------------------------------------------------------------------------
-
-/// Where a key stands and what it is called, for messages.
-std::string place_of(const Section& s, const char* key) { return s.place(key) + ": '" + s.full(key) + "'"; }
 
 ReplayBody read_body(const Section& s) {
   ReplayBody body;
@@ -134,58 +126,6 @@ void write(const SceneConfig& config, TomlText& out) {
 
 // ---- Files -------------------------------------------------------------------------------------------------------
 
-/// An input file: its path, relative to the configuration, and its bytes.
-struct Input {
-  std::string path, bytes;
-};
-
-/// Reads the file that the key at `place` names and keeps its hash.
-Input read_input(SceneConfig& config, const std::string& written, const std::string& place) {
-  const fs::path path = config.path.parent_path() / written;
-  Input input{.path = one_line(path.string(), 4096), .bytes = {}};
-  try {
-    input.bytes = read_regular(AT_FDCWD, path, /*follow_links=*/true, machine_memory() / 2);
-  } catch (const FileFailure& failure) {
-    throw Error(kInput, place + " must name a file that can be read, not " + in_quotes(one_line(written)) + ": " +
-                            input.path + ": " + failure.what());
-  }
-  config.inputs[written] = sha256(input.bytes);
-  return input;
-}
-
-/// How many, with the noun in the number it needs.
-std::string counted(std::size_t n, const std::string& one, const std::string& many) {
-  return std::to_string(n) + " " + (n == 1 ? one : many);
-}
-
-/// Says what the parity rule makes hollow.
-void note_hollows(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file,
-                  SceneConfig& config) {
-  const geometry::Shells found = geometry::shells_of(mesh, solid);
-  std::string text;
-  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
-  if (found.repeated_facets > 0)
-    add(counted(found.repeated_facets, "facet stands", "facets stand") + " where another stands already");
-  if (found.meeting > 0)
-    add(std::to_string(found.meeting) + " of its " + std::to_string(found.shells) + " shells touch or cross another");
-  if (found.nested_alike > 0)
-    add(counted(found.nested_alike, "shell lies", "shells lie") + " inside another that faces the same way");
-  if (!text.empty()) config.notes.push_back(file + ": " + text + "; what lies in two shells counts as outside");
-}
-
-/// What should be said of a mesh that others made.
-void note_flaws(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file,
-                SceneConfig& config) {
-  const bool contained = config.containment != Containment::ignore;
-  if (!solid.closed)
-    config.notes.push_back(file + ": the surface is open, " + geometry::open_text(solid) + "; it is used as it is" +
-                           (contained ? ", and nothing can be inside it" : ""));
-  if (contained) note_hollows(mesh, solid, file, config);
-  if (const std::size_t flat = geometry::degenerate_facets(mesh); flat > 0)
-    config.notes.push_back(file + ": " + std::to_string(flat) + (flat == 1 ? " triangle has" : " triangles have") +
-                           " no area; used as they are");
-}
-
 /// Bodies as the configuration lists them. Bodies of one file or of equal shapes share a mesh, which is named after the
 /// first of them.
 geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene) {
@@ -206,15 +146,8 @@ geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene) {
         mesh = make_mesh(*body.shape, body.name);
         any_closed = true;
       } else {
-        const Input input = read_input(config, body.mesh, body.place);
-        std::string said;
-        try {
-          mesh = geometry::parse_mesh(input.bytes, input.path, body.name, &said);
-          if (!said.empty()) config.notes.push_back(said);
-        } catch (const geometry::MeshFileError& error) {
-          throw Error(kInput, error.what());
-        }
-        mesh.shape = "{\"file\": " + in_quotes(one_line(body.mesh, 4096)) + "}";
+        MeshInput input = read_mesh(config, body.mesh, body.place, body.name);
+        mesh = std::move(input.mesh);
         geometry::Solid solid = geometry::solid_of(mesh, config.closed_within);
         note_flaws(mesh, solid, input.path, config);
         any_closed |= solid.closed;

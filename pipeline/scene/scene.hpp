@@ -31,7 +31,7 @@ struct Scene {
   std::vector<ExtremeCase> cases;                   // S, of extremes: how the pair is placed
 };
 
-/// What happens in a scene and is known beforehand: at step `first`, and so many times in all, every `every` steps.
+/// What happens in a scene and is known beforehand: at step `first`, and `times` times in all, every `every` steps.
 struct Ahead {
   std::string what;  // "landing of set 3, 216 spheres"; or "births", of which there are several
   double first = 0;
@@ -57,6 +57,8 @@ struct SceneSize {
   std::optional<std::uint64_t> pairs = {};              // asked about at a step; absent: all that the bodies make
   std::vector<geometry::Bodies> alone =
       {};  // of extremes: the distinct pairs of bodies, one of which is there at a step
+  // Of integrated scenes, at most: contact spheres of all bodies, and bytes taken while they are placed.
+  std::uint64_t contact_spheres = 0, placing_bytes = 0;
 };
 
 /// One kind of scene, as data.

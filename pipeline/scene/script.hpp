@@ -24,7 +24,7 @@ double length(const Pass& pass);
 /// Metres from `from` to a sample, 0 to samples - 1.
 double position(const Pass& pass, std::int64_t sample);
 
-/// The hero's pose so many metres from `from`: that of a sample at its position, bit for bit.
+/// The hero's pose that many metres from `from`: that of a sample at its position, bit for bit.
 geometry::Pose pose_at(const Pass& pass, double metres);
 
 /// Steps at which the same two bodies come ever nearer, from apart to deep inside each other or the other way.
@@ -35,7 +35,7 @@ struct CaseSet {
   geometry::Vec3 moved = geometry::Vec3::Zero();    // m: a + moved and b + moved are exact
 };
 
-/// Within so many ulps of touching a pair is counted apart: methods that round elsewhere are not charged with our
+/// Within that many ulps of touching a pair is counted apart: methods that round elsewhere are not charged with our
 /// convention.
 constexpr std::int64_t kNearUlps = 1000;
 

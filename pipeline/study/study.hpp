@@ -48,7 +48,7 @@ std::vector<StudyRow> study_cases(const Study& study);
 /// aborts, crashes and hangs are not caught.
 StudyRow study_row(const Study& study, StudyRow row);
 
-/// All cases, each in a child process of its own, so many at a time; those that `part` has are taken from it. Throws
+/// All cases, each in a child process of its own, that many at a time; those that `part` has are taken from it. Throws
 /// Error(kInterrupted).
 std::vector<StudyRow> study_rows(const Study& study, const std::vector<StudyRow>& cases, int processes,
                                  const Checkpoint& part, Progress& progress);

@@ -26,7 +26,7 @@ inline double processor_seconds() {
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-/// Calls work() on so many threads at once, this one among them. One that throws calls stop(), which should end the
+/// Calls work() on that many threads at once, this one among them. One that throws calls stop(), which should end the
 /// others; what the first of them threw is thrown on when all have ended.
 template <class Work, class Stop>
 void on_threads(std::size_t threads, const Work& work, const Stop& stop) {

@@ -31,10 +31,10 @@ class Forecast {
   Forecast() = default;
   explicit Forecast(std::vector<Stage> stages) : stages_(std::move(stages)) {}
 
-  /// A stage of so many items begins.
+  /// A stage of that many items begins.
   void begin(const std::string& stage, std::uint64_t items);
 
-  /// So many items more are done, which took so many seconds; not `fresh`: they were taken over and took none.
+  /// That many items more are done, which took that many seconds; not `fresh`: they were taken over and took none.
   /// `busy` 0: not known yet, as it was.
   void done(std::uint64_t items, double seconds, bool fresh, double busy = 0);
 

@@ -10,7 +10,7 @@ struct StepRange {
   std::uint64_t size() const { return last - first; }
 };
 
-/// Reads "A:B", "A:", ":B" or ":" for a file of so many steps. Throws Error(kUsage) for another form, Error(kInput)
+/// Reads "A:B", "A:", ":B" or ":" for a file of `steps`. Throws Error(kUsage) for another form, Error(kInput)
 /// when the range is empty or goes beyond the file.
 StepRange step_range(const std::string& text, std::uint64_t steps, const std::string& file);
 

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "tests/support/plugins.hpp"
 #include "tests/support/setting.hpp"
 
 namespace algorithms {
@@ -172,6 +173,13 @@ INSTANTIATE_TEST_SUITE_P(Algorithm, Every, testing::ValuesIn([] {
                            std::vector<std::string> names;
                            for (const Algorithm& algorithm : all()) names.push_back(algorithm.name);
                            return names;
+                         }()),
+                         [](const auto& info) { return info.param; });
+
+// The same laws for libraries of others.
+INSTANTIATE_TEST_SUITE_P(Plugin, Every, testing::ValuesIn([] {
+                           plugins::add_examples();
+                           return plugins::examples();
                          }()),
                          [](const auto& info) { return info.param; });
 

@@ -82,10 +82,12 @@ def test_text_in_pictures_is_readable_on_a_phone(tmp_path):
         assert opened.evaluate("document.documentElement.scrollWidth") == 390
         for key, least, wide in (("f75", 9.4, 540), ("f90", 7.9, 380)):
             width = opened.evaluate(f"document.querySelector('#{key} svg').getBoundingClientRect().width")
-            sizes = opened.evaluate(f"[...document.querySelectorAll('#{key} text')].map(t => parseFloat(getComputedStyle(t).fontSize))")
+            sizes = opened.evaluate(f"[...document.querySelectorAll('#{key} text')].map(t => "
+                                    "parseFloat(getComputedStyle(t).fontSize))")
             assert min(sizes) * width / 432 >= least  # 432 points wide
             assert abs(width - wide) < 10  # what is large enough fits the screen, the other scrolls within itself
-        scrolls = "(e => [e.scrollWidth > e.clientWidth, getComputedStyle(e).overflowX])(document.querySelector('#f75 .picture'))"
+        scrolls = ("(e => [e.scrollWidth > e.clientWidth, getComputedStyle(e).overflowX])"
+                   "(document.querySelector('#f75 .picture'))")
         assert opened.evaluate(scrolls) == [True, "auto"]
 
 
@@ -395,7 +397,8 @@ def test_names_in_the_strip_stand_off_the_front(copy, tmp_path):
         file["summary/time_mean_ns"][...] = 10.0 ** np.arange(3, 3 + len(file["algorithm"]))
     (tmp_path / "page.html").write_text(page("t", [], [], [Section("s", figures([load(copy)])[:1])]), encoding="utf-8")
     with browsing(tmp_path / "page.html") as opened:
-        boxes = "[...document.querySelectorAll('svg %s')].map(e => e.getBoundingClientRect()).map(r => [r.top, r.bottom, r.width])"
+        boxes = ("[...document.querySelectorAll('svg %s')].map(e => e.getBoundingClientRect())"
+                 ".map(r => [r.top, r.bottom, r.width])")
         dashed = opened.evaluate(boxes % "path[style*=dasharray]")
         names = [box for box in opened.evaluate(boxes % "g[style*=paint-order] text")]
     front = next(bottom for top, bottom, width in dashed if width > 100)  # it ends level, at no error

@@ -429,8 +429,8 @@ def playground_file(tmp_path):
         file.create_dataset("bodies/mesh", data=["torus", "rod", "cube"], dtype=text)
         file["bodies/fixed"] = np.array([1, 0, 1], dtype=np.uint8)
         file["bodies/first_step"] = [0, 0, 0]
-        torus, box = '{"kind":"torus"}', '{"kind":"box"}'
-        for name, shape, size in (("torus", torus, (1, 7, 7)), ("rod", "rod.obj", (3, 1, 1)), ("cube", box, (7, 7, 7))):
+        torus, rod, box = '{"kind":"torus"}', '{"file":"rod.obj"}', '{"kind":"box"}'
+        for name, shape, size in (("torus", torus, (1, 7, 7)), ("rod", rod, (3, 1, 1)), ("cube", box, (7, 7, 7))):
             file[f"meshes/{name}/vertices"] = np.array([size, size]) * [[-0.5], [0.5]]
             file[f"meshes/{name}"].attrs["shape"] = shape
         position = np.zeros((STEPS, 3, 3))

@@ -12,7 +12,11 @@ from editing import edited
 from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
-from analysis.figures import drawing, engine as engine_figures, playground as playground_map, steps as step_figures, thesis as thesis_figures, thesis_tables
+from analysis.figures import drawing, thesis_tables
+from analysis.figures import engine as engine_figures
+from analysis.figures import playground as playground_map
+from analysis.figures import steps as step_figures
+from analysis.figures import thesis as thesis_figures
 from analysis.figures.drawing import NotDrawn
 from analysis.figures.figure import Figure, Table, figure, style
 from analysis.load import load
@@ -384,7 +388,7 @@ def passes_table(*rows):
 PASSES = passes_table(
     ("obb_sat", "slab", True, 0.0, 5, 0),
     ("obb_sat", "slab", True, 0.2, 5, 0),
-    ("obb_sat", "ring", False, None, 3, 0),  # a false alarm
+    ("obb_sat", "ring", False, None, 3, 0),  # a false positive
     ("facet_triangles", "slab", True, None, 0, 0),  # missed
     ("facet_triangles", "slab", True, -0.5, 2, 4),
     ("facet_triangles", "ring", False, None, 0, 0),  # rightly silent
@@ -401,19 +405,19 @@ def playground(passes):
 
 def test_misses_and_false_alarms_are_counted_apart():
     cells = playground_map.outcomes(PASSES, ["target"])
-    assert cells.loc[("facet_triangles", "slab"), ["touching", "missed", "false alarms"]].tolist() == [2, 1, 0]
-    assert cells.loc[("obb_sat", "ring"), ["touching", "missed", "false alarms"]].tolist() == [0, 0, 1]
-    assert cells.loc[("facet_triangles", "ring"), ["touching", "missed", "false alarms"]].tolist() == [0, 0, 0]
+    assert cells.loc[("facet_triangles", "slab"), ["touching", "missed", "false positives"]].tolist() == [2, 1, 0]
+    assert cells.loc[("obb_sat", "ring"), ["touching", "missed", "false positives"]].tolist() == [0, 0, 1]
+    assert cells.loc[("facet_triangles", "ring"), ["touching", "missed", "false positives"]].tolist() == [0, 0, 0]
     assert cells["first m"]["obb_sat", "slab"] == pytest.approx(0.1)
     assert cells["first m"]["facet_triangles", "slab"] == pytest.approx(-0.5)
     assert np.isnan(cells["first m"]["obb_sat", "ring"])
 
 
-def test_map_names_the_earliest_the_blindest_and_the_most_inventive():
+def test_map_names_the_earliest_the_blindest_and_the_one_with_most_false_positives():
     figure = playground_map.contact_map(playground(PASSES), "playground", "k")
     assert figure.title == (
         "bounding_sphere is earliest (median +2.50 m); facet_triangles misses most (1 of 2 passes that meet); obb_sat "
-        "raises most false alarms (1 of 1 passes that do not meet); neither miss nor false alarm: bounding_sphere"
+        "has the most false positives (1 of 1 passes that do not meet); neither miss nor false positive: bounding_sphere"
     )
     written = words(figure)
     for text in ("+0.10", "−0.50", "+2.5", "m1", "f1", "–"):
@@ -553,9 +557,9 @@ HOSTILE = {
 def test_what_cannot_be_drawn_is_said_and_nothing_raises(run):
     found = thesis_figures.sections([run])
     assert isinstance(found[-1].parts[0], Table)
-    for figure in figures(found):
-        assert "nan" not in words(figure)
-        assert figure.title and "nan" not in figure.title and figure.caption.count("n = ") == 1, figure.title
+    for one in figures(found):
+        assert "nan" not in words(one)
+        assert one.title and "nan" not in one.title and one.caption.count("n = ") == 1, one.title
     for text in texts(found):
         assert re.search(r"[.]$", text) and "\n" not in text
 

@@ -327,7 +327,8 @@ def test_colours_are_seen_at_every_size(pipeline, tmp_path, size):
     corners = [f"v {x * size!r} {y * size!r} {z * size!r}" for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
     faces = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
     (tmp_path / "a.obj").write_text("\n".join(corners + ["f " + face for face in faces]) + "\n")
-    rows = [f"0,{name},{x * size!r},{y * size!r},0.0,1,0,0,0" for name, x, y in (("a", 0, 0), ("b", 1.5, 0), ("c", 0, 2.5))]
+    rows = [f"0,{name},{x * size!r},{y * size!r},0.0,1,0,0,0" for name, x,
+            y in (("a", 0, 0), ("b", 1.5, 0), ("c", 0, 2.5))]
     (tmp_path / "poses.csv").write_text("\n".join(["step,body,px,py,pz,qw,qx,qy,qz", *rows]) + "\n")
     bodies = "".join(f'[[scene.body]]\nname = "{name}"\nmesh = "a.obj"\n' for name in "abc")
     (tmp_path / "case.toml").write_text(
@@ -335,7 +336,8 @@ def test_colours_are_seen_at_every_size(pipeline, tmp_path, size):
         '[timing]\nrepeats = 1\n[[algorithm]]\nname = "aabb"\n[[algorithm]]\nname = "bounding_sphere"\n'
     )
     file = tmp_path / "case.h5"
-    subprocess.run([pipeline, "run", tmp_path / "case.toml", "-o", file, "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([pipeline, "run", tmp_path / "case.toml", "-o", file, "--quiet"], check=True,
+                   stdout=subprocess.DEVNULL)
     with opened(page_of(file, label="bounding_sphere"), tmp_path) as page:
         assert page.evaluate("viewer.now().fp.length") == 2 and page.evaluate("viewer.now().tp.length") == 1
         image = picture(page)

@@ -5,9 +5,9 @@ usage: free_against_tree.py TREE.h5 FREE.h5
     build/pipeline run configs/integrators.toml --set bodies=tree -o tree.h5
     build/pipeline run configs/integrators.toml -o free.h5
 
-Prints per problem and integrator: rows that ended otherwise, the errors and energy errors of the free bodies as multiples
-of the tree's (median and greatest), the greatest momentum drifts, evaluations, and the ratio of processor times. Then the
-rows whose error is more than 1.1 times the tree's and more than a tenth of the accuracy asked for.
+Prints per problem and integrator: rows that ended otherwise, the errors and energy errors of the free bodies as
+multiples of the tree's (median and greatest), the greatest momentum drifts, evaluations, and the ratio of processor
+times. Then the rows whose error is more than 1.1 times the tree's and more than a tenth of the accuracy asked for.
 """
 import sys
 
@@ -36,7 +36,8 @@ def ratio(a, b):
         return (np.abs(a) + 1e-12) / (np.abs(b) + 1e-12)
 
 
-print(f"{'problem':14s}{'integrator':20s}{'rows':>5s}{'other':>6s}{'error: median, most':>21s}{'energy: median, most':>22s}"
+print(f"{'problem':14s}{'integrator':20s}{'rows':>5s}{'other':>6s}{'error: median, most':>21s}"
+      f"{'energy: median, most':>22s}"
       f"{'momentum tree, free':>22s}{'evaluations':>12s}{'time':>7s}")
 for problem, integrator in KEYS:
     at = (tree["problem"] == problem) & (tree["integrator"] == integrator)
@@ -62,11 +63,14 @@ both = (tree["finished"] == 1) & (free["finished"] == 1)
 asked = np.where(np.isnan(tree["accuracy"]), 1e-3, tree["accuracy"])
 worse = both & (free["error"] > 1.1 * tree["error"]) & (free["error"] > 0.1 * asked)
 better = both & (tree["error"] > 1.1 * free["error"]) & (tree["error"] > 0.1 * asked)
-print(f"\n{both.sum()} rows finished in both; errors more than a tenth greater: free {worse.sum()}, tree {better.sum()}")
+print(f"\n{both.sum()} rows finished in both; errors more than a tenth greater: free {worse.sum()}, tree "
+      f"{better.sum()}")
 for i in np.flatnonzero(worse):
-    print(f"  {free['problem'][i]} {free['integrator'][i]} accuracy {free['accuracy'][i]:g} step {free['fixed_step'][i]:g}: "
+    print(f"  {free['problem'][i]} {free['integrator'][i]} accuracy {free['accuracy'][i]:g} step "
+          f"{free['fixed_step'][i]:g}: "
           f"{free['error'][i]:.3g} for {tree['error'][i]:.3g}")
 print("rows that ended otherwise")
 for i in np.flatnonzero(tree["status"] != free["status"]):
-    print(f"  {free['problem'][i]} {free['integrator'][i]} accuracy {free['accuracy'][i]:g} step {free['fixed_step'][i]:g} "
+    print(f"  {free['problem'][i]} {free['integrator'][i]} accuracy {free['accuracy'][i]:g} step "
+          f"{free['fixed_step'][i]:g} "
           f"stiffness {free['stiffness'][i]:g}: {free['status'][i]} for {tree['status'][i]}")

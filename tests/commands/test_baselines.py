@@ -29,7 +29,8 @@ def test_answers_are_those_of_the_baseline(results, name):
     scored = baselines.score(name, results(name))
     assert scored.returncode == 0, (
         f"{scored.stdout}{scored.stderr}"
-        f"If the change is meant, `scripts/python tests/baselines.py --write` records it; commit it together with its reason."
+        "If the change is meant, `scripts/python tests/baselines.py --write` records it; commit it together with its "
+        "reason."
     )
 
 

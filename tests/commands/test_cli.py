@@ -81,7 +81,7 @@ def test_check_says_what_would_run_and_writes_nothing(tmp_path):
     assert json.loads(pipeline("check", SMOKE, "--json").stdout)["bodies"] == 18
 
 
-@pytest.mark.parametrize("what", ["algorithms", "scenes", "shapes", "integrators", "problems"])
+@pytest.mark.parametrize("what", ["algorithms", "scenes", "shapes", "integrators", "problems", "keys", "datasets"])
 def test_list_names_what_configurations_can_name(what):
     names = [row["name"] for row in json.loads(pipeline("list", what, "--json").stdout)]
     assert names
@@ -311,7 +311,8 @@ def test_wrong_values_are_one_line_and_code_3(tmp_path, setting, words):
     ("[scene]\nkind = \"falling\"\nsegments = [\n", ":", []),
     ("steps = 1", "", ["scene"]),
     ("[scene]\nkind = \"falling\"\n[[algorithm]]\nname = \"nothing\"\n", ":4:", ["nothing"]),
-    ("[scene]\nkind = \"falling\"\n[[algorithm]]\nname = \"obb_sat\"\n[[algorithm]]\nname = \"obb_sat\"\n", ":", ["obb_sat"]),
+    ("[scene]\nkind = \"falling\"\n[[algorithm]]\nname = \"obb_sat\"\n[[algorithm]]\nname = \"obb_sat\"\n", ":",
+     ["obb_sat"]),
 ])
 def test_wrong_configurations_name_file_line_and_rule(tmp_path, text, place, words):
     config = tmp_path / "wrong.toml"
@@ -343,7 +344,8 @@ def test_wrong_grammar_is_code_2(arguments):
 
 @pytest.mark.parametrize("arguments, command", [
     ([], "pipeline"), (["run"], "pipeline run"), (["run", SMOKE, "--bogus"], "pipeline run"), (["--bogus"], "pipeline"),
-    (["run", SMOKE, "--threads", "many"], "pipeline run"), (["list", "cakes"], "pipeline list"), (["show"], "pipeline show"),
+    (["run", SMOKE, "--threads", "many"], "pipeline run"), (["list", "cakes"], "pipeline list"),
+    (["show"], "pipeline show"),
     (["show", "a", "b"], "pipeline show"), (["verify", "a", "--all", "--pairs", "3"], "pipeline verify"),
     (["score", "a", "--against", "b", "--tolerance", "2"], "pipeline score"), (["export", "a"], "pipeline export"),
     (["detect"], "pipeline detect"), (["check", SMOKE, "run"], "pipeline check"),
@@ -477,7 +479,8 @@ def test_a_full_stdout_is_not_success(smoke):
 
 
 def test_more_than_this_machine_can_hold_is_refused_before_the_run(tmp_path):
-    run = pipeline("run", SMOKE, "-o", tmp_path / "x.h5", "--set", "steps=10000000", "--set", "scene.set.0.above=[60,60,60]")
+    run = pipeline("run", SMOKE, "-o", tmp_path / "x.h5", "--set", "steps=10000000", "--set",
+                   "scene.set.0.above=[60,60,60]")
     assert run.returncode == INPUT and "memory" in one_line(run)
     assert list(tmp_path.iterdir()) == []
 
@@ -606,7 +609,8 @@ def test_a_limit_on_files_is_code_4_not_a_signal(tmp_path):
 def test_odd_names_give_one_line_and_valid_json(tmp_path):
     assert "\n" not in pipeline("show", tmp_path / "a\nb.h5").stderr.strip()
     odd = os.fsencode(tmp_path) + b"/\xff.h5"
-    run = subprocess.run([os.fsencode(PIPELINE), b"run", os.fsencode(SMOKE), b"-o", odd, b"--set", b"steps=3", b"--json"],
+    run = subprocess.run([os.fsencode(PIPELINE), b"run", os.fsencode(SMOKE), b"-o", odd, b"--set", b"steps=3",
+                          b"--json"],
                          capture_output=True)
     assert run.returncode == DONE
     json.loads(run.stdout)

@@ -19,7 +19,7 @@ def cube(size=1.0, low=(0, 0, 0), hair=0.0):
     """The facets of a cube, three corners each; the very first corner is moved along z by `hair`."""
     facets = []
     for face in AXES:
-        corners = [[l + size * x for l, x in zip(low, corner)] for corner in face]
+        corners = [[least + size * x for least, x in zip(low, corner)] for corner in face]
         facets += [[corners[0], corners[1], corners[2]], [list(corners[0]), list(corners[2]), corners[3]]]
     facets[0][0] = [*facets[0][0][:2], facets[0][0][2] + hair]
     return facets
@@ -89,7 +89,8 @@ def test_a_hair_wider_than_the_width_is_named_with_its_edge(scene):
     run, path = scene(meshes)
     assert run.returncode == DONE
     line = one_line(run)
-    assert line.startswith("warning: ") and "cube.stl: the surface is open, the edge from (0, 0, 2e-06) to (0, 0, 1)" in line
+    assert line.startswith("warning: ")
+    assert "cube.stl: the surface is open, the edge from (0, 0, 2e-06) to (0, 0, 1)" in line
     assert "within 9.54e-07 m taken as one" in line and line.endswith("nothing can be inside it")
     assert inside(path) == set()
     with h5py.File(path) as file:
@@ -119,7 +120,8 @@ def test_where_every_mesh_is_open_containment_is_refused(scene):
     run, path = scene({"cup": cube()[:-2], "bowl": cube(2)[1:]})
     assert run.returncode == INPUT and not path.exists()
     line = one_line(run)
-    for text in ("scene.toml:6:8: 'scene.body.0.mesh' of body 'cup': mesh 'cup' is open, the edge from (", "9.53674", "close one"):
+    for text in ("scene.toml:6:8: 'scene.body.0.mesh' of body 'cup': mesh 'cup' is open, the edge from (", "9.53674",
+                 "close one"):
         assert text in line
 
 
@@ -156,7 +158,7 @@ def test_a_recorded_contained_pair_is_no_true_negative_whether_reported_or_not(t
         chosen = file["bodies/chosen"][()]
     there = ~np.isnan(position[:, :, 0])
     asked = {(step, a, b) for step in range(len(there)) for a, b in itertools.combinations(range(len(fixed)), 2)
-             if there[step, a] and there[step, b] and not (fixed[a] and fixed[b]) and (chosen[a] or chosen[b])}  # fmt: skip
+             if there[step, a] and there[step, b] and not (fixed[a] and fixed[b]) and (chosen[a] or chosen[b])}
     rows = lambda table: set(map(tuple, table[["step", "a", "b"]].to_numpy().tolist()))  # noqa: E731
     judged = asked - rows(run.contained_pairs)
     assert len(judged) < len(asked)

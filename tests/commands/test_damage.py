@@ -4,6 +4,7 @@ import os
 import random
 import shutil
 import time
+import warnings
 
 import h5py
 import numpy as np
@@ -85,6 +86,18 @@ def test_times_attributes_and_configuration_are_under_the_seal(tmp_path):
             run = pipeline(*command)
             assert run.returncode == FILE and "--unsealed" in one_line(run), (name, command)
     assert not (tmp_path / "b.json").exists() and not (tmp_path / "vtk").exists()
+
+
+@pytest.mark.parametrize("shape", ["a.obj", "[]", '{"kind": ', '{"radius": NaN}', '{"a": ' * 40 + "1" + "}" * 40])
+def test_a_shape_that_is_no_object_is_refused_unsealed_too(tmp_path, shape):
+    path = shutil.copy(BOX, tmp_path / "x.h5")
+    with h5py.File(path, "r+") as file:
+        file["meshes"][next(iter(file["meshes"]))].attrs.modify("shape", shape)
+    run = pipeline("show", path, "--unsealed")
+    assert run.returncode == FILE and "is no JSON object" in one_line(run)
+    with pytest.raises(OSError, match="is no JSON object"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        load(path, unsealed=True)
 
 
 def test_own_datasets_are_read_when_asked_for_and_it_is_said(tmp_path):
@@ -252,7 +265,8 @@ def test_a_baseline_nested_without_end_is_refused(tmp_path):
 def test_a_manifest_of_millions_is_shown_at_once(tmp_path):
     part = tmp_path / "x.h5.part"
     part.mkdir()
-    (part / "manifest.json").write_text('{"kind": "collision benchmark checkpoint", "title": "t", "steps": 10000000, "study": true}')
+    (part / "manifest.json").write_text('{"kind": "collision benchmark checkpoint", "title": "t", "steps": 10000000, '
+                                        '"study": true}')
     start = time.monotonic()
     run = pipeline("show", part)
     assert run.returncode == DONE and "0 of 10000000 cases" in run.stdout and time.monotonic() - start < 3

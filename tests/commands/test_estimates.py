@@ -51,6 +51,8 @@ def measured(path, *arguments):
     ["configs/padani_knobs.toml", "--set", "steps=5"],
     ["configs/padani.toml", "--set", "steps=2", "--set", "algorithm=[{name='facet_distance',facets_per_area=200}]"],
     ["configs/stiffness.toml", "--set", "every=40"],
+    ["configs/heap.toml", "--set", "steps=150"],
+    ["configs/cup.toml", "--set", "steps=200"],
 ], ids=" ".join)
 def test_memory_and_file_are_within_a_factor_of_a_half(tmp_path, arguments):
     arguments = [str(ROOT / arguments[0]), *arguments[1:]]
@@ -73,14 +75,16 @@ def test_what_a_method_would_densify_is_said(tmp_path):
 
 def test_out_of_memory_names_the_label(tmp_path):
     config = tmp_path / "cubes.toml"
-    config.write_text(CUBES.format(600) + "[[algorithm]]\nname = 'aabb'\n[[algorithm]]\nname = 'facet_distance'\nlabel = 'greedy'\n")
+    config.write_text(CUBES.format(600) + "[[algorithm]]\nname = 'aabb'\n[[algorithm]]\nname = 'facet_distance'\nlabel "
+                                          "= 'greedy'\n")
 
     def little():
         resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
 
     run = pipeline("run", config, "-o", tmp_path / "x.h5", "--quiet", "--threads", 1, preexec_fn=little)
     assert run.returncode == INPUT, run.stderr
-    assert re.search(r"algorithm 'greedy': out of memory; it takes about \d\.\d GiB: sample fewer", run.stderr.splitlines()[-1])
+    assert re.search(r"algorithm 'greedy': out of memory; it takes about \d\.\d GiB: sample fewer",
+                     run.stderr.splitlines()[-1])
 
 
 def test_too_much_for_this_machine_names_the_label_that_wants_it(tmp_path):
@@ -102,13 +106,15 @@ def test_check_is_quick_and_says_a_time(config):
     least, most = json.loads(run.stdout)["seconds"]
     assert 0 < least < most
     assert after.ru_utime - before.ru_utime < 5
-    assert re.search(r"^takes +(about .* to .*|less than a second), .* of memory$", pipeline("check", config).stdout, re.MULTILINE)
+    assert re.search(r"^takes +(about .* to .*|less than a second), .* of memory$", pipeline("check", config).stdout,
+                     re.MULTILINE)
 
 
 def test_a_run_shortened_before_its_events_says_so(tmp_path):
     config = str(ROOT / "configs" / "smoke.toml")
     said = pipeline("check", config, "--set", "steps=40").stderr
-    assert re.search(r"40 steps leave out the landing of set 3, 4 spheres \(step \d+\): what remains is another scene", said)
+    assert re.search(r"40 steps leave out the landing of set 3, 4 spheres \(step \d+\): what remains is another scene",
+                     said)
     assert pipeline("check", config).stderr == ""
     replay = str(ROOT / "configs" / "replay_example.toml")
     assert "10 steps leave out 1 of 4 births (step 10): " in pipeline("check", replay, "--set", "steps=10").stderr
@@ -128,13 +134,15 @@ def test_a_landing_is_foretold_within_two_steps(tmp_path):
         offset, pairs = file["truth/pair_offset"][:], file["truth/pair"][:]
     for number, step in foretold.items():
         meets = [s for s in range(len(offset) - 1) for a, b in pairs[offset[s]:offset[s + 1]]
-                 if {names[a].rsplit("_", 1)[0], names[b].rsplit("_", 1)[0]} == {f"set{number}_lying", f"set{number}_above"}]
+                 if {names[a].rsplit("_", 1)[0],
+                     names[b].rsplit("_", 1)[0]} == {f"set{number}_lying", f"set{number}_above"}]
         assert abs(min(meets) - step) <= 2, (number, min(meets), step)
     assert set(foretold) == {1, 2, 3}
 
 
 def test_the_time_left_is_of_the_whole_run(tmp_path):
-    command = [PIPELINE, "run", str(ROOT / "configs" / "smoke.toml"), "-o", str(tmp_path / "x.h5"), "--set", "steps=3000"]
+    command = [PIPELINE, "run", str(ROOT / "configs" / "smoke.toml"), "-o", str(tmp_path / "x.h5"), "--set",
+               "steps=3000"]
     process, terminal = pty.fork()
     if process == 0:
         os.execv(PIPELINE, command)

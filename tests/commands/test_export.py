@@ -174,7 +174,9 @@ def test_bad_files_and_folders_are_told(pipeline, result_file, tmp_path):
 
 
 def test_a_full_disk_leaves_nothing(pipeline, result_file, tmp_path):
-    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+
     run = export(pipeline, result_file, "--vtk", tmp_path / "out", preexec_fn=limit)
     assert run.returncode == FILE and "out" in one_line(run)
     assert os.listdir(tmp_path) == []

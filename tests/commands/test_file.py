@@ -1,5 +1,7 @@
 """The file is the interface: what h5py, xarray and analysis/load.py find in a result."""
 
+import json
+import re
 import shutil
 import warnings
 
@@ -7,7 +9,10 @@ import h5py
 import numpy as np
 import pytest
 import xarray
+from conftest import SCENES
 from editing import datasets, digests_of, edited, is_scale, objects, sealed
+
+from program import pipeline
 
 from analysis.load import load
 
@@ -149,6 +154,18 @@ def test_xarray_selects_by_label(result_file, file):
     np.testing.assert_array_equal(hits, np.diff(file["answers"][label]["pair_offset"].astype(np.int64)))
 
 
+@pytest.mark.parametrize("config", SCENES, ids=lambda path: path.stem)
+def test_every_dataset_is_among_those_that_the_program_lists(small_file, config):
+    listed = {row["name"]: row for row in json.loads(pipeline("list", "datasets", "--json").stdout)}
+    with h5py.File(small_file(config)) as opened:
+        own = {path: found for path, found in datasets(opened).items() if path.count("/") == 1 or not is_scale(found)}
+        assert len(own) > 20
+        for path, dataset in own.items():
+            general = re.sub("^/answers/[^/]+", "/answers/<label>", re.sub("^/meshes/[^/]+", "/meshes/<mesh>", path))
+            assert listed[general]["unit"] == dataset.attrs["units"], path
+            assert listed[general]["what"] == dataset.attrs["long_name"], path
+
+
 def test_every_dataset_says_its_unit_and_meaning(file):
     for path, dataset in datasets(file).items():
         assert isinstance(dataset.attrs["units"], str) and dataset.attrs["units"], path
@@ -180,7 +197,8 @@ def test_chunks_are_whole_and_within_fixed_dimensions(file):
             assert chunk <= max(size, 1) and (most is None or chunk <= most), path
         names = [path.split("/")[-1]] if is_scale(dataset) else documented(path)
         for name, most in zip(names, dataset.maxshape):
-            assert (most is None) == (name in ("step", "boundary", "entry", "contained_entry", "gap_entry")), f"{path}: {name}"
+            assert (most is None) == (name in ("step", "boundary", "entry", "contained_entry",
+                                               "gap_entry")), f"{path}: {name}"
         if dataset.chunks and not is_scale(dataset):
             assert dataset.shuffle and dataset.compression == "gzip", path
 

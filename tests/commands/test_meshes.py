@@ -88,7 +88,8 @@ def test_a_file_beyond_the_memory_is_refused_with_its_size(tmp_path):
     except OSError:
         pytest.skip("the file system has no such files")
     run = pipeline("check", config)
-    assert run.returncode == INPUT and f"a.obj: has {size} bytes; such a file has at most {memory // 2}" in one_line(run)
+    assert run.returncode == INPUT
+    assert f"a.obj: has {size} bytes; such a file has at most {memory // 2}" in one_line(run)
 
 
 def test_a_pipe_into_the_standard_input_is_no_configuration(tmp_path):
@@ -105,7 +106,8 @@ def test_steps_times_bodies_are_refused_before_they_are_made(tmp_path):
     steps, bodies = 2_000_000, 5000
     row = ",a,0,0,0,1,0,0,0\n"
     (tmp_path / "poses.csv").write_text(HEADER + "".join(f"{step}{row}" for step in range(steps)))
-    text = '[scene]\nkind = "replay"\nposes = "poses.csv"\n[[scene.body]]\nname = "a"\nshape = "box"\nsize = [1, 1, 1]\n'
+    text = ('[scene]\nkind = "replay"\nposes = "poses.csv"\n'
+            '[[scene.body]]\nname = "a"\nshape = "box"\nsize = [1, 1, 1]\n')
     text += "".join(f'[[scene.body]]\nname = "w{b}"\nshape = "box"\nsize = [1, 1, 1]\nfixed = true\n'
                     f"position = [{b}, 5, 0]\n" for b in range(bodies))
     (tmp_path / "c.toml").write_text(text)

@@ -262,10 +262,12 @@ def test_two_million_triangles_are_work(tmp_path):
     faces = np.zeros(n * n, dtype=[("count", "u1"), ("index", "<i4", 4)])
     faces["count"] = 4
     faces["index"] = np.stack([corner, corner + 1, corner + n + 2, corner + n + 1], axis=1)
-    head = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\n"
+    head = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float "
+            "y\n"
             f"property float z\nelement face {n * n}\nproperty list uchar int vertex_indices\nend_header\n")
     (tmp_path / "grid.ply").write_bytes(head.encode() + vertices.tobytes() + faces.tobytes())
-    (tmp_path / "poses.csv").write_text("step,body,px,py,pz,qw,qx,qy,qz\n0,box,5,5,0.4,1,0,0,0\n1,box,5,5,0.6,1,0,0,0\n")
+    (tmp_path / "poses.csv").write_text("step,body,px,py,pz,qw,qx,qy,qz\n"
+                                        "0,box,5,5,0.4,1,0,0,0\n1,box,5,5,0.6,1,0,0,0\n")
     (tmp_path / "x.toml").write_text(
         '[scene]\nkind = "replay"\nposes = "poses.csv"\n[[scene.body]]\nname = "box"\nshape = "box"\nsize = [1, 1, 1]\n'
         '[[scene.body]]\nname = "grid"\nmesh = "grid.ply"\nfixed = true\nposition = [0, 0, 0]\n'

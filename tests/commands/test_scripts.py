@@ -1,4 +1,4 @@
-"""The scripts: they find the right python3, say what they take without building, and notice a build/ of other sources."""
+"""The scripts: they find the right python3, say what they take and build nothing, notice a build/ of other sources."""
 
 import os
 import re
@@ -89,7 +89,8 @@ def test_without_a_fit_python3_it_is_said(tmp_path):
     assert done.returncode == FAILED and "scripts/setup installs them" in done.stderr
 
 
-@pytest.mark.parametrize("script", ["run", "setup", "install", "peers", "report", "sweep", "test", "bench", "arrows"])
+@pytest.mark.parametrize("script", ["run", "setup", "install", "peers", "report", "sweep", "test", "bench", "arrows",
+                                    "style", "fuzz", "tsan"])
 def test_help_is_given_without_a_build_whatever_python3_is_first(script, tmp_path, elsewhere):
     shutil.copytree(ROOT / "scripts", tmp_path / "scripts")
     shutil.copytree(ROOT / "analysis", tmp_path / "analysis")
@@ -108,8 +109,10 @@ def checkout(tmp_path):
     were called."""
     bin = tmp_path / "bin"
     program(bin / "dpkg-query", "echo -n installed\n")
-    program(bin / "ninja", 'echo "ninja in $PWD, sources $(sed -n s/^CMAKE_HOME_DIRECTORY:INTERNAL=//p build/CMakeCache.txt)"\n')
-    program(bin / "cmake", 'mkdir -p build/CMakeFiles; echo "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" > build/CMakeCache.txt\n'
+    program(bin / "ninja", 'echo "ninja in $PWD, sources $(sed -n s/^CMAKE_HOME_DIRECTORY:INTERNAL=//p '
+                           'build/CMakeCache.txt)"\n')
+    program(bin / "cmake", 'mkdir -p build/CMakeFiles; echo "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" > '
+                           'build/CMakeCache.txt\n'
                            'touch build/build.ninja; echo "cmake" >> calls\n')  # fmt: skip
     shutil.copytree(ROOT / "scripts", tmp_path / "first" / "scripts")
     environment = os.environ | {"PATH": f"{bin}:{os.environ['PATH']}"}

@@ -94,7 +94,8 @@ def test_show_and_check_speak_of_cases(config, result):
 
 def test_an_interrupted_study_leaves_no_process_and_is_resumed(tmp_path):
     config = tmp_path / "slow.toml"
-    config.write_text('study = "integration"\n[budget]\nforce_evaluations = 100000000\n[[sweep]]\nproblem = "pendulum"\n'
+    config.write_text('study = "integration"\n[budget]\nforce_evaluations = 100000000\n[[sweep]]\nproblem = '
+                      '"pendulum"\n'
                       'integrator = ["RungeKutta2"]\nfixed_step = [1e-1, 1e-2, 1e-7]\n')  # fmt: skip
     part = tmp_path / "slow.h5.part"
     run = subprocess.Popen([PIPELINE, "run", config, "-o", tmp_path / "slow.h5", "--threads", "1"], text=True,
@@ -122,11 +123,12 @@ def test_an_interrupted_study_leaves_no_process_and_is_resumed(tmp_path):
 
 
 def test_no_more_processes_run_than_processors(tmp_path):
-    """With 64 at a time and as many files allowed the pipes ran out; on two processors wall time could decide a case."""
+    """With 64 at a time and as many files allowed the pipes ran out; on two cores wall time could decide a case."""
     processors = len(os.sched_getaffinity(0))
     config = tmp_path / "slow.toml"
     steps = [1e-7 * (1 + i) for i in range(processors + 3)]
-    config.write_text('study = "integration"\n[budget]\nforce_evaluations = 100000000\n[[sweep]]\nproblem = "pendulum"\n'
+    config.write_text('study = "integration"\n[budget]\nforce_evaluations = 100000000\n[[sweep]]\nproblem = '
+                      '"pendulum"\n'
                       f'integrator = ["RungeKutta2"]\nfixed_step = {steps}\n')  # fmt: skip
     run = subprocess.Popen([PIPELINE, "run", config, "-o", tmp_path / "slow.h5", "--threads", "1024"],
                            stderr=subprocess.DEVNULL)  # fmt: skip
@@ -225,7 +227,7 @@ def cases(errors, by="fixed_step"):
     steps = [0.1 / 2**i for i in range(len(errors))]
     other = "accuracy" if by == "fixed_step" else "fixed_step"
     return Fake([{"sweep": "s", "integrator": "i", by: step, other: np.nan, "error": error, "finished": True,
-                  "reached": 1.0, "steps": 1 / step, "nominal_order": 2.0} for step, error in zip(steps, errors)])  # fmt: skip
+                  "reached": 1.0, "steps": 1 / step, "nominal_order": 2.0} for step, error in zip(steps, errors)])
 
 
 def test_an_order_is_fitted_between_the_coarse_and_the_rounded():
@@ -312,7 +314,8 @@ def test_the_integrator_of_padani_and_kostka_is_sound_at_their_material(tmp_path
     dissipation = physics.get("dissipation", 0.1)
     config = tmp_path / "x.toml"
     config.write_text('study = "integration"\n' + "".join(
-        f'[[sweep]]\nproblem = "{problem}"\nintegrator = ["{physics["integrator"]}"]\naccuracy = {physics["accuracy"]}\n'
+        f'[[sweep]]\nproblem = "{problem}"\nintegrator = ["{physics["integrator"]}"]\naccuracy = '
+        f'{physics["accuracy"]}\n'
         f'stiffness = {physics["stiffness"]}\ndissipation = [0, {dissipation}]\n' for problem in ("drop", "stack")
     ))  # fmt: skip
     assert pipeline("run", config, "-o", tmp_path / "x.h5").returncode == DONE

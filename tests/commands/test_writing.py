@@ -155,6 +155,23 @@ def test_a_full_stdout_is_told_by_every_command(smoke):
         assert one_line(run) == "stdout: cannot be written (No space left on device)"
 
 
+def test_who_reads_enough_is_no_failure(smoke):
+    """As in `scripts/analysis study FILE | head -1`: nothing is said."""
+    command = [sys.executable, "-m", "analysis", "study", str(smoke)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT) as run:
+        run.stdout.close()
+        assert run.stderr.read() == ""
+    assert run.returncode == 128 + signal.SIGPIPE
+
+
+@pytest.mark.parametrize("force", [[], ["--force"]])
+def test_a_pipe_at_the_place_of_the_result_is_called_no_regular_file(tmp_path, force):
+    os.mkfifo(tmp_path / "x.h5")
+    run = pipeline("run", SMOKE, "-o", tmp_path / "x.h5", *force)
+    assert run.returncode == FILE
+    assert one_line(run) == f"{tmp_path / 'x.h5'}: is not a regular file; choose another place"
+
+
 # ---- kills, races
 
 
@@ -354,7 +371,8 @@ int flock(int fd, int how) {
 }
 int pthread_create(pthread_t* t, const pthread_attr_t* a, void* (*f)(void*), void* x) {
   if (wanted("pthread_create=")) return error();
-  return ((int (*)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*))dlsym(RTLD_NEXT, "pthread_create"))(t, a, f, x);
+  int (*create)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*) = dlsym(RTLD_NEXT, "pthread_create");
+  return create(t, a, f, x);
 }
 pid_t fork(void) {
   if (wanted("fork=")) { errno = error(); return -1; }
@@ -515,7 +533,7 @@ def test_a_page_is_written_under_a_name_of_its_own(tmp_path, smoke):
     page.write_text("<!doctype html>old")
     page.chmod(0o600)
     code = "import os, sys; from analysis.output import write; " \
-           "os.symlink(sys.argv[2], f'{sys.argv[1]}.{os.getpid()}.part'); write(sys.argv[1], '<!doctype html>new')"  # fmt: skip
+           "os.symlink(sys.argv[2], f'{sys.argv[1]}.{os.getpid()}.part'); write(sys.argv[1], '<!doctype html>new')"
     subprocess.run([sys.executable, "-c", code, page, precious], check=True, cwd=ROOT)
     assert page.read_text() == "<!doctype html>new" and precious.read_text() == "precious"
     assert stat.S_IMODE(page.stat().st_mode) == 0o600

@@ -313,9 +313,9 @@ TEST(Extremes, BadKeysAreRefusedWithPlaceAndRule) {
     EXPECT_NE(message.find(words), std::string::npos) << message;
   };
   refused("pairs = [\"box-bix\"]\n", "t.toml:3:10: ", "'scene.pairs.0' must be");
-  refused("pairs = [\"box-box\", \"box-box\"]\n", "t.toml:3:9: ", "name each but once");
+  refused("pairs = [\"box-box\", \"box-box\"]\n", "t.toml:3:9: ", "name each only once");
   refused("scales = []\n", "t.toml:3:10: ", "be an array of at least one number");
-  refused("scales = [1, 2, 1]\n", "t.toml:3:10: ", "name each but once");
+  refused("scales = [1, 2, 1]\n", "t.toml:3:10: ", "name each only once");
   refused("scales = [1e10]\n", "t.toml:3:11: ", "'scene.scales.0' must be a number of at least 1e-9 and at most 1e9");
   refused("scales = [nan]\n", "t.toml:3:11: ", "not nan");
   refused("offsets = [-1]\n", "t.toml:3:12: ", "'scene.offsets.0' must be");

@@ -143,7 +143,7 @@ TEST(StudyConfig, RefusesWhatMakesNoSense) {
   says(head + "[[sweep]]\nproblem = \"top\"\n[[sweep]]\nproblem = \"top\"\n", "only sweep of its name");
   for (const std::string twice : {"accuracy = [1e-3, 1e-4, 0.001]", "fixed_step = [0.1, 0.1]", "duration = [1, 2, 1.0]",
                                   "integrator = [\"Verlet\", \"Verlet\"]", "units = [\"SI\", \"SI\"]"})
-    says(head + "[[sweep]]\nproblem = \"pendulum\"\n" + twice + "\n", "name each but once");
+    says(head + "[[sweep]]\nproblem = \"pendulum\"\n" + twice + "\n", "name each only once");
   for (const std::string still : {"free_flight", "bounce", "damped_bounce", "two_balls", "thin_plate"})
     says(head + "[[sweep]]\nproblem = \"" + still + "\"\nspeed = 0\n", "must be a number above 0");
   says(head + "bodies = \"trees\"\n[[sweep]]\nproblem = \"top\"\n", "'bodies' must be \"free\" or \"tree\"");
