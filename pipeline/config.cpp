@@ -234,8 +234,9 @@ void read_timing(const Section& timing, Config& config, bool recorded) {
   timing.only({"repeats", "noise", "pin"});
   config.repeats = timing.integer("repeats", config.repeats, 1, kMostRepeats);
   config.noise = timing.boolean("noise", config.noise);
-  if (!timing.has("pin")) return;
-  config.pin = timing.integer("pin", 0, 0);
+  const std::int64_t pin = timing.integer("pin", -1, 0);
+  if (pin < 0) return;
+  config.pin = pin;
   if (!recorded && !has_processor(*config.pin))
     timing.refuse("pin", "be a processor that this program may use (" + processors_text() + ")", "or leave it out");
 }

@@ -36,10 +36,10 @@ Csv read(const fs::path& path, const std::string& what) {
   }
 }
 
-/// Where and when it was timed; a method of which nothing more is said may have been timed anywhere.
+/// Where and when it was timed: here, by the user's word, or anywhere.
 Machine place_of(const ImportOptions& options) {
   const Machine here = machine();
-  if (options.language.empty()) return {"elsewhere", "not known", "not known", here.date};
+  if (options.language.empty() || options.times.empty()) return {"elsewhere", "not known", "not known", here.date};
   return {here.host, here.processor, here.build, here.date};
 }
 

@@ -45,7 +45,7 @@ def against(scene, points, cost, key, apart=""):
     points["front"] = pareto.front(points[cost], points.error) if len(points) else False
     fig, titles, nameless = _draw(points, cost)
     caption = " ".join(
-        filter(None, [_caption(scene, points, cost), apart, _left_out(left_out), _without_name(nameless)])
+        filter(None, [_caption(scene, points, cost), _asked(points, cost), apart, _left_out(left_out), _without_name(nameless)])
     )
     return Figure(finding(points, cost), svg_of(fig, titles), caption, _table(points, cost, scene), key)
 
@@ -269,6 +269,15 @@ def _intervals(points):
     if not {"time_mean_low_ns", "time_mean_high_ns"} <= set(points):
         return pd.Series(False, index=points.index)
     return points.time_mean_low_ns.notna() & points.time_mean_high_ns.notna()
+
+
+def _asked(points, cost):
+    """How methods of others were asked: only so do their times stand beside others."""
+    if cost != "time_mean_ns" or "asked" not in points:
+        return ""
+    others = points[points.asked != ""]
+    each = "; ".join(f"{point.label}: {point.asked}" for point in others.itertuples())
+    return f"Of others, the rest in process: {each}." if each else ""
 
 
 def _left_out(names):

@@ -75,6 +75,10 @@ constexpr Feature kFeatures[] = {
      }},
     {"containment is recorded or counts", record_containment},
     {"[truth] gap = true", keep_gaps},
+    {"[timing] noise = true",
+     [](Result& result) {
+       result.noise.emplace().time_ns = {0, 0};
+     }},
     {"the scene has passes", pass},
     {"kind = \"extremes\"", go_to_extremes},
 };
