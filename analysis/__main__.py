@@ -27,7 +27,8 @@ def main(arguments=None):
     command.add_argument("file", nargs="+", help="results of the box, falling and playground scenes, one of each")
     command.set_defaults(act=lambda chosen: say(table(verdicts(opened(chosen.file, chosen.unsealed)))))
     command = commands.add_parser("report", help="one HTML page of figures and tables, which needs no network")
-    command.add_argument("file", nargs="+", help="results; those of one motion and truth are drawn together. Or a sweep: its folder, or files of its points")
+    words = "results; those of one motion and truth are drawn together. Or a sweep: its folder, or files of its points"
+    command.add_argument("file", nargs="+", help=words)
     command.add_argument("-o", "--output", default="report.html", help="the page (default: report.html)")
     command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output, chosen.unsealed))
     command = commands.add_parser("study", help="orders, stability and recommendation of a study; drift of a long run")

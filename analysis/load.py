@@ -346,9 +346,10 @@ def load_sweep(folder):
     """A sweep as one frame: a row per point and label, and one of a point that failed, with label "".
 
     Columns: point (its name), a column per parameter of the sweep (text, int or float), status ("done", "failed", ...),
-    reason, exit_code (float), host, processor, build, began (seconds since 1970), wall_time_s, digest, steps, bodies, truth_hits; label, algorithm, and
-    the columns of Run.summary (float64; NaN where a point failed). attrs: sweep, title, parameters (their names), folder.
-    Raises OSError when there is no such folder, ValueError when it is not one of a sweep, in a line that starts with it.
+    reason, exit_code (float), host, processor, build, began (seconds since 1970), wall_time_s, digest, steps, bodies,
+    truth_hits; label, algorithm, and the columns of Run.summary (float64; NaN where a point failed). attrs: sweep,
+    title, parameters (their names), folder. Raises OSError when there is no such folder, ValueError when it is not one
+    of a sweep, in a line that starts with it.
     """
     folder = os.fspath(folder)
     path = os.path.join(folder, SWEEP)
@@ -367,7 +368,8 @@ def load_sweep(folder):
 
 def sweep_frame(manifest):
     """The frame of load_sweep from what sweep.json holds."""
-    told = ["status", "reason", "exit_code", "host", "processor", "build", "began", "wall_time_s", "digest", "steps", "bodies", "truth_hits"]
+    told = ["status", "reason", "exit_code", "host", "processor", "build", "began", "wall_time_s", "digest"]
+    told += ["steps", "bodies", "truth_hits"]
     texts, rows = ["reason", "host", "processor", "build", "digest"], []
     for point in manifest["points"]:
         parameters = {name: point["parameters"][name] for name in manifest["parameters"]}
@@ -375,7 +377,8 @@ def sweep_frame(manifest):
         of_point |= {name: of_point[name] or "" for name in texts}
         rows += [of_point | row for row in point.get("summary") or [{"label": "", "algorithm": ""}]]
     table = pd.DataFrame(rows, columns=list(dict.fromkeys(name for row in rows for name in row)))
-    kept = {"point", "label", "algorithm", "status", *texts, *manifest["parameters"], "knobs", "promise", "scope", "operations_unit"}
+    kept = {"point", "label", "algorithm", "status", *texts, *manifest["parameters"]}
+    kept |= {"knobs", "promise", "scope", "operations_unit"}
     for name in table.columns:
         if name not in kept:
             table[name] = table[name].astype(float)

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "pipeline/config.hpp"
+#include "pipeline/scene/scene.hpp"
 #include "pipeline/study/problem.hpp"
 
 namespace pipeline {
@@ -13,12 +14,12 @@ struct KeyText {
   const char* path;
   const char* unit;
   const char* what;
-  bool required = false;  // where it stands at all; what its reader starts from is no preset
+  bool required = false;  // or without a fixed preset: what its reader starts from is none
 };
 
 /// In the order of the list.
 constexpr KeyText kTexts[] = {
-    {"title", "1", "name of the run; without it the file's name"},
+    {"title", "1", "name of the run; without it the file's name", true},
     {"seed", "1", "every random number of the run comes from it"},
     {"steps", "1",
      "samples of the motion, the initial poses included; where it is scripted or replayed all without it"},
@@ -144,6 +145,7 @@ constexpr KeyText kTexts[] = {
 /// A configuration of which the readers ask all that its kind has.
 struct Example {
   std::string where, text;
+  bool of_shape = false;
 };
 
 /// What beside `kind` makes a reader ask for more.
@@ -178,7 +180,7 @@ std::vector<Example> examples() {
     for (auto more = first; more != last; ++more) out.push_back({kind.name, head + more->second + tail});
   }
   for (const auto& [shape, keys] : kShapeTexts)
-    out.push_back({shape, "[scene]\nkind = 'playground'\nhero = {shape = '" + shape + "', " + keys + "}\n"});
+    out.push_back({shape, "[scene]\nkind = 'playground'\nhero = {shape = '" + shape + "', " + keys + "}\n", true});
   for (const Problem& problem : problems())
     out.push_back({problem.name, "study = 'integration'\n[[sweep]]\nproblem = '" + problem.name + "'\n"});
   return out;
@@ -220,8 +222,7 @@ std::vector<KeyFacts> key_facts() {
     for (AskedKey key : asked_keys(example.text)) {
       key.path = general(numberless(key.path));
       // Of shapes the example of each tells; the others only have one.
-      if (key.path.starts_with("SHAPE.") && !kShapeTexts.contains(example.where)) continue;
-      if (!key.path.starts_with("SHAPE.") && kShapeTexts.contains(example.where)) continue;
+      if (key.path.starts_with("SHAPE.") != example.of_shape) continue;
       auto found = std::ranges::find(all, key.path, [](const KeyFacts& facts) { return facts.key.path; });
       if (found == all.end()) found = all.insert(all.end(), {key, "1", "", {}});
       if (found->key.type.empty()) found->key = key;

@@ -120,7 +120,9 @@ PROCESSOR_CLONES void into_frame(const Points& p, const Frame& frame, const Box&
   const double x0 = box.min.x(), y0 = box.min.y(), z0 = box.min.z(), x1 = box.max.x(), y1 = box.max.y(),
                z1 = box.max.z(), reach_squared = reach * reach;
   const std::size_t size = p.size();
+#ifndef __clang__
 #pragma GCC ivdep
+#endif
   for (std::size_t i = 0; i < size; ++i) {
     const double sx = px[i] - tx, sy = py[i] - ty, sz = pz[i] - tz;
     const double x = (r00 * sx + r10 * sy) + r20 * sz, y = (r01 * sx + r11 * sy) + r21 * sz,
@@ -129,10 +131,9 @@ PROCESSOR_CLONES void into_frame(const Points& p, const Frame& frame, const Box&
     q.x[i] = x;
     q.y[i] = y;
     q.z[i] = z;
-    keep[i] = (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1) & (z >= z0) & (z <= z1) &
-                      ((dx * dx + dy * dy) + dz * dz < reach_squared)
-                  ? std::int64_t{1}
-                  : std::int64_t{0};
+    const bool near = (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1) & (z >= z0) & (z <= z1) &
+                      ((dx * dx + dy * dy) + dz * dz < reach_squared);
+    keep[i] = near ? std::int64_t{1} : std::int64_t{0};
   }
 }
 

@@ -1,5 +1,5 @@
-"""A sweep as sections of a report: curves over its parameters, spreads over its seeds, what holds at every point. As many
-figures as there are parameters, not points."""
+"""A sweep as sections of a report: curves over its parameters, spreads over its seeds, what holds at every point. As
+many figures as there are parameters, not points."""
 
 import numpy as np
 import pandas as pd
@@ -8,7 +8,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from analysis.figures.drawing import digits, guarded, label_ends, log_seconds, shortened
 from analysis.figures.figure import Figure, Points, Section, Table, figure, slug, style, svg_of
 from analysis.tables import sweeps
-from analysis.words import counted, listed
+from analysis.words import counted, listed, verb
 
 MOST_LABELS = 16  # lines in one figure
 MOST_SETTINGS = 4  # figures of one quantity over one parameter; the tables have all
@@ -36,7 +36,10 @@ def lead(table):
     done = sweeps.points(table)
     over = [f"{done[name].nunique()} of {name}" for name in table.attrs["parameters"]]
     words = f"{table.attrs['title']}: {counted(len(done), 'point')}{' over ' + listed(over) if over else ''}"
-    return [f"{words}; {int((done.status == 'done').sum())} are done. Sweep “{table.attrs['sweep']}” in {table.attrs['folder']}."]
+    return [
+        f"{words}; {int((done.status == 'done').sum())} are done. Sweep “{table.attrs['sweep']}” in"
+        f" {table.attrs['folder']}."
+    ]
 
 
 def warnings(table):
@@ -50,17 +53,22 @@ def warnings(table):
         lines.append("No point has answers of an algorithm; nothing can be drawn.")
     machines = list(dict.fromkeys(sweeps.machine(rows))) if len(rows) else []
     if len(machines) > 1:
-        lines.append(f"Points were timed on {len(machines)} unlike processors or builds ({'; '.join(machines)}): their times are "
-                     "drawn apart, errors compare.")
+        lines.append(
+            f"Points were timed on {len(machines)} unlike processors or builds ({'; '.join(machines)}): their times"
+            " are drawn apart, errors compare."
+        )
     if any("debug" in machine.lower() for machine in machines):
         lines.append("A debug build timed some points; those times mean nothing.")
     if beside := sweeps.side_by_side(table):
-        lines.append(f"{counted(sum(beside.values()), 'point')} ran while another did on the same machine ({listed(beside)}): their times disturb each "
-                     "other. On a machine alone, with -j 1, they are surer.")
+        lines.append(
+            f"{counted(sum(beside.values()), 'point')} ran while another did on the same machine ({listed(beside)}):"
+            " their times disturb each other. On a machine alone, with -j 1, they are surer."
+        )
     if seeded(table):
         same = [name for name, part in sweeps.settings(done) if part.digest.nunique() < (part.digest != "").sum()]
         if same:
-            lines.append(f"Different seeds gave one and the same result{' at ' + listed(same) if same != [''] else ''}: there they draw nothing.")
+            where = f" at {listed(same)}" if same != [""] else ""
+            lines.append(f"Different seeds gave one and the same result{where}: there they draw nothing.")
     return lines
 
 
@@ -77,15 +85,22 @@ def findings(table):
     lines.append(f"{int((done.status == 'done').sum())} of {counted(len(done), 'point')} are done.")
     if rows.empty:
         return [Points("In short", lines)]
-    everywhere = [fact.text for fact in sweeps.facts(table) if fact.held == fact.of and fact.kind in ("error", "time", "promise")]
+    everywhere = [
+        fact.text for fact in sweeps.facts(table) if fact.held == fact.of and fact.kind in ("error", "time", "promise")
+    ]
     if everywhere:
         lines.append(f"At every point: {'; '.join(everywhere)}.")
-    for column, verb in (("error", "errs less"), ("time_mean_ns", "is quicker")):
+    for column, does in (("error", "errs less"), ("time_mean_ns", "is quicker")):
         changing, pairs = sweeps.undecided(rows, column)
         if not pairs:
             continue
-        text = f"Who {verb} is the same at every point for {pairs - len(changing)} of {counted(pairs, 'pair')} of labels"
-        some = "; ".join(f"{a} than {b} at {one} of {of}" for a, b, one, _, of in sorted(changing, key=lambda pair: pair[2] / pair[4])[:3])
+        text = (
+            f"Who {does} is the same at every point for {pairs - len(changing)} of {counted(pairs, 'pair')} of labels"
+        )
+        some = "; ".join(
+            f"{a} than {b} at {one} of {of}"
+            for a, b, one, _, of in sorted(changing, key=lambda pair: pair[2] / pair[4])[:3]
+        )
         lines.append(text + (f"; the least sure: {some}." if changing else "."))
     if seeded(table):
         lines += chance(rows)
@@ -101,8 +116,11 @@ def chance(rows):
         return []
     worst = table.loc[table.sd.idxmax()]
     where = at(worst, setting_names(rows))
-    return [f"Over {int(table['count'].max())} seeds the standard deviation of an error is {digits(table.sd.median())} in the median of the labels, and "
-            f"{digits(worst.sd)} for {worst.label}, the greatest ({digits(worst['mean'])}, from {digits(worst.least)} to {digits(worst.most)}){where}."]
+    return [
+        f"Over {int(table['count'].max())} seeds the standard deviation of an error is {digits(table.sd.median())} in"
+        f" the median of the labels, and {digits(worst.sd)} for {worst.label}, the greatest ({digits(worst['mean'])},"
+        f" from {digits(worst.least)} to {digits(worst.most)}){where}."
+    ]
 
 
 def at(row, names):
@@ -125,10 +143,12 @@ def trend(rows, name, setting):
     change = (ends[1].error - ends[0].error)[both]
     factor = (ends[1].time_mean_ns / ends[0].time_mean_ns)[both]
     most, grows, stays = change.abs().idxmax(), factor.idxmax(), factor.idxmin()
-    words = f"From {name} {sweeps.text(low)} to {sweeps.text(high)}{f' ({setting})' if setting else ''} the error of {most} changes most, "
+    where = f" ({setting})" if setting else ""
+    words = f"From {name} {sweeps.text(low)} to {sweeps.text(high)}{where} the error of {most} changes most, "
     words += f"{digits(ends[0].error[most])} to {digits(ends[1].error[most])}"
     if one_machine(rows):
-        words += f"; the time of {grows} grows most, {digits(factor[grows])}-fold, that of {stays} least, {digits(factor[stays])}-fold"
+        words += f"; the time of {grows} grows most, {digits(factor[grows])}-fold, that of {stays} least,"
+        words += f" {digits(factor[stays])}-fold"
     return words + "."
 
 
@@ -149,9 +169,13 @@ def curves(table):
             for column in QUANTITIES:
                 for number, mine in enumerate(by_machine(part) if column != "error" else [part], 1):
                     key = slug(f"sweep {name} {setting} {column} {number}")
-                    parts.append(guarded(f"{QUANTITIES[column][0]} over {name}", curve, mine, name, column, setting, key))
+                    parts.append(
+                        guarded(f"{QUANTITIES[column][0]} over {name}", curve, mine, name, column, setting, key)
+                    )
         if len(every) > MOST_SETTINGS:
-            parts.append(f"Of {len(every)} settings beside {name} the first {MOST_SETTINGS} are drawn; sweep.csv has all.")
+            parts.append(
+                f"Of {len(every)} settings beside {name} the first {MOST_SETTINGS} are drawn; sweep.csv has all."
+            )
     return parts
 
 
@@ -192,12 +216,23 @@ def curve(rows, name, column, setting, key):
         log_seconds(axes)
     label_ends(axes, ends)
     count = int(table["count"].max())
-    seeds = f"Lines are means over {count} seeds, the shades reach from the least to the most" if count > 1 else "One seed each"
-    left_out = f" The first {MOST_LABELS} of {len(labels)} labels are drawn; the table has all." if len(labels) > MOST_LABELS else ""
-    caption = f"{rows.attrs['title']}{f', {setting}' if setting else ''}: {what} over {name}, {counted(rows.point.nunique(), 'point')}. {seeds}.{left_out}"
+    seeds = (
+        f"Lines are means over {count} seeds, the shades reach from the least to the most"
+        if count > 1
+        else "One seed each"
+    )
+    left_out = (
+        f" The first {MOST_LABELS} of {len(labels)} labels are drawn; the table has all."
+        if len(labels) > MOST_LABELS
+        else ""
+    )
+    caption = f"{rows.attrs['title']}{f', {setting}' if setting else ''}: {what} over {name}, "
+    caption += f"{counted(rows.point.nunique(), 'point')}. {seeds}.{left_out}"
     if column != "error":
         caption += f" Timed by {sweeps.machine(rows).iloc[0]}."
-    return Figure(headline(table, name, values, column, setting, number), svg_of(fig), caption, wide(table, name, column), key)
+    return Figure(
+        headline(table, name, values, column, setting, number), svg_of(fig), caption, wide(table, name, column), key
+    )
 
 
 def headline(table, name, values, column, setting, number):
@@ -206,21 +241,27 @@ def headline(table, name, values, column, setting, number):
     best = {}  # value -> who; several where they are equal
     for value, rows in table.groupby(name, sort=False):
         best[value] = list(rows.label[rows["mean"] == rows["mean"].min()])
-    who = list(best.values())
-    if all(labels == who[0] for labels in who):
-        verb = ("errs least" if len(who[0]) == 1 else "err least") if column == "error" else "is the quickest"
-        first = f"{listed(who[0])} {verb} at every {name}"
+    places = {}  # who -> where
+    for value, labels in best.items():
+        places.setdefault(listed(labels), []).append(sweeps.text(value))
+    if len(places) == 1:
+        labels = next(iter(best.values()))
+        does = verb(labels, "errs least", "err least") if column == "error" else "is the quickest"
+        first = f"{listed(labels)} {does} at every value of {name}"
     else:
-        each = [f"{listed(labels)} at {sweeps.text(value)}" for value, labels in list(best.items())[:4]]
-        first = f"Which label {'errs least' if column == 'error' else 'is the quickest'} depends on {name}: {'; '.join(each)}"
+        each = [f"{labels} at {listed(values_)}" for labels, values_ in places.items()]
+        does = "errs least" if column == "error" else "is the quickest"
+        first = f"Which label {does} depends on {name}: {'; '.join(each[:4])}"
     ends = table.set_index([name, "label"])["mean"]
     low, high = (min(values), max(values)) if number else (values[0], values[-1])
     change = (ends[high] / ends[low] if column != "error" else ends[high] - ends[low]).dropna()
     if column == "error":
         most = change.abs().idxmax()
-        return f"{first}; from {sweeps.text(low)} to {sweeps.text(high)} that of {most} changes most, {digits(ends[low, most])} to {digits(ends[high, most])}{where}"
+        words = f"changes most, {digits(ends[low, most])} to {digits(ends[high, most])}"
+        return f"{first}; from {sweeps.text(low)} to {sweeps.text(high)} that of {most} {words}{where}"
     most = change.idxmax()
-    return f"{first}; from {sweeps.text(low)} to {sweeps.text(high)} that of {most} grows most, {digits(change[most])}-fold{where}"
+    words = f"grows most, {digits(change[most])}-fold"
+    return f"{first}; from {sweeps.text(low)} to {sweeps.text(high)} that of {most} {words}{where}"
 
 
 def wide(table, name, column):
@@ -266,18 +307,29 @@ def draws(table):
         text.set_fontsize(9)
     table_ = sweeps.spread(mine, "error", ["label"]).set_index("label").loc[order].drop(columns="count")
     times = sweeps.spread(timed, "time_mean_ns", ["label"]).set_index("label").drop(columns="count") / 1e3
-    table_ = table_.rename(columns=lambda name: f"error, {name}").join(times.rename(columns=lambda name: f"time, {name} (µs)"))
+    table_ = table_.rename(columns=lambda name: f"error, {name}").join(
+        times.rename(columns=lambda name: f"time, {name} (µs)")
+    )
     seeds = mine.seed.nunique()
     changing, pairs = sweeps.undecided(mine, "error")
-    title = f"Over {seeds} seeds the order by error is the same for {pairs - len(changing)} of {counted(pairs, 'pair')} of labels"
+    title = f"Over {seeds} seeds the order by error is the same for {pairs - len(changing)} of "
+    title += f"{counted(pairs, 'pair')} of labels"
     if pairs and not changing:
         title = f"Over {seeds} seeds no two labels change their order by error"
     if not pairs:
         title = f"Over {seeds} seeds the error is {digits(mine.error.min())} to {digits(mine.error.max())}"
-    caption = (f"{mine.attrs['title']}{f', {setting}' if setting else ''}: a dot for every seed, a bar for the mean; the least mean error first. "
-               f"Times of {sweeps.machine(timed).iloc[0]}, with what disturbed them.")
+    caption = (
+        f"{mine.attrs['title']}{f', {setting}' if setting else ''}: a dot for every seed, a bar for the mean; the least"
+        f" mean error first. Times of {sweeps.machine(timed).iloc[0]}, with what disturbed them."
+    )
     others = len(sweeps.settings(rows)) - 1
-    return Figure(title, svg_of(fig), caption + (f" {counted(others, 'other setting')} of the sweep: above, and in sweep.csv." if others else ""), table_, "sweep-seeds")
+    return Figure(
+        title,
+        svg_of(fig),
+        caption + (f" {counted(others, 'other setting')} of the sweep: above, and in sweep.csv." if others else ""),
+        table_,
+        "sweep-seeds",
+    )
 
 
 # ---- What holds
@@ -288,10 +340,17 @@ def holding(table):
     if rows.empty:
         return ["No point has answers, so nothing holds."]
     facts = sweeps.facts(table)
-    parts = [Points(f"At every one of {counted(facts[0].of, 'point')}", [f"{fact.text}." for fact in facts if fact.held == fact.of] or ["Nothing."])]
+    parts = [
+        Points(
+            f"At every one of {counted(facts[0].of, 'point')}",
+            [f"{fact.text}." for fact in facts if fact.held == fact.of] or ["Nothing."],
+        )
+    ]
     some = [fact for fact in facts if fact.held < fact.of]
     if some:
-        frame = pd.DataFrame({"finding": [fact.text for fact in some], "at": [f"{fact.held} of {fact.of}" for fact in some]})
+        frame = pd.DataFrame(
+            {"finding": [fact.text for fact in some], "at": [f"{fact.held} of {fact.of}" for fact in some]}
+        )
         parts.append(Table("At some points", frame, "What of this kind holds at other points is the rest of them."))
     if rows.label.nunique() > 1:
         for column, words in (("error", "Who errs less than whom"), ("time_mean_ns", "Who is quicker than whom")):
@@ -301,7 +360,14 @@ def holding(table):
                 frame.loc[label, label] = "–"
             frame.columns = [f"than {label}" for label in frame.columns]
             frame.index.name = "label"
-            parts.append(Table(words, frame, f"At how many of {int(both.to_numpy().max())} points the row's label is below the column's; equals count for neither."))
+            parts.append(
+                Table(
+                    words,
+                    frame,
+                    f"At how many of {int(both.to_numpy().max())} points the row's label is below the column's; equals"
+                    " count for neither.",
+                )
+            )
     parts.append(guarded("The thesis's statements", judged, table))
     return parts
 
@@ -311,12 +377,22 @@ def judged(table):
     if frame.empty:
         return f"None of the thesis's statements can be judged on these points{'; ' + lost[0] if lost else ''}."
     sure = int(((frame.confirmed == 0) | (frame.refuted == 0)).sum())
-    caption = f"Of {counted(len(frame), 'statement')} that these points can judge, {sure} have one verdict at all of them."
-    return Table("What the thesis said, point by point", frame, f"{caption}{' Not read: ' + '; '.join(lost[:3]) + '.' if lost else ''}")
+    caption = (
+        f"Of {counted(len(frame), 'statement')} that these points can judge, {sure} have one verdict at all of them."
+    )
+    return Table(
+        "What the thesis said, point by point",
+        frame,
+        f"{caption}{' Not read: ' + '; '.join(lost[:3]) + '.' if lost else ''}",
+    )
 
 
 def of_points(table):
     done = sweeps.points(table)
-    frame = pd.DataFrame({"point": done.point, "status": done.status, "reason": done.reason, "wall time (s)": done.wall_time_s,
-                          "host": done.host, "bodies": done.bodies.astype("Int64"), "steps": done.steps.astype("Int64"), "digest": done.digest})
-    return Table("Every point", frame, "Each is a result of its own in the folder points; a digest covers everything but times and names of machines.")
+    frame = done[["point", "status", "reason"]].assign(**{"wall time (s)": done.wall_time_s, "host": done.host})
+    frame = frame.assign(bodies=done.bodies.astype("Int64"), steps=done.steps.astype("Int64"), digest=done.digest)
+    return Table(
+        "Every point",
+        frame,
+        "Each is a result of its own in the folder points; a digest covers everything but times and names of machines.",
+    )

@@ -298,9 +298,9 @@ def definitions():
 
 def provenance(runs):
     columns = {}
-    for number, run in enumerate(runs, 1):
+    for place, run in enumerate(runs, 1):
         name = pareto.name(run)
-        columns[name if name not in columns else f"{name} ({number})"] = pd.Series(_provenance(run))
+        columns[name if name not in columns else f"{name} ({place})"] = pd.Series(_provenance(run))
     frame = pd.DataFrame(columns)
     frame = frame.fillna("")
     frame = frame[(frame != "").any(axis=1)]

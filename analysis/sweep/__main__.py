@@ -1,7 +1,7 @@
 """scripts/sweep: one configuration at many points, each a process and a result file, here or on Slurm.
 
-SWEEP.toml names a configuration, the values of its keys and the seeds (configs/README.md); Snakemake runs the points, one
-table has them all, failed ones with their reason. A rerun repeats only points that are missing, failed, or whose
+SWEEP.toml names a configuration, the values of its keys and the seeds (configs/README.md); Snakemake runs the points,
+one table has them all, failed ones with their reason. A rerun repeats only points that are missing, failed, or whose
 configuration, inputs or program changed.
 
 Exit codes as the pipeline's: 0 all points are done, 1 some failed (the table is written and says which), 2 the command
@@ -59,17 +59,26 @@ def main(arguments=None):
 
 def parsed(arguments):
     parser = argparse.ArgumentParser(prog="scripts/sweep", description=__doc__.split("\n", 1)[0])
-    parser.add_argument("sweep", metavar="SWEEP.toml", help="a configuration, the values of its keys, seeds; see configs/sweeps")
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="folder of the results (default: results/<name of SWEEP>)")
-    parser.add_argument("-j", "--jobs", type=int, metavar="N",
-                        help=f"processors to use here (1: points side by side disturb each other's times), or jobs at a time on Slurm ({SLURM_JOBS})")
-    parser.add_argument("--slurm", action="store_true", help="a Slurm job for every point; the folder must be one that all nodes see")
+    parser.add_argument(
+        "sweep", metavar="SWEEP.toml", help="a configuration, the values of its keys, seeds; see configs/sweeps"
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="FOLDER", help="folder of the results (default: results/<name of SWEEP>)"
+    )
+    jobs = f"processors to use here (1: side by side, points disturb each other's times); jobs on Slurm ({SLURM_JOBS})"
+    parser.add_argument("-j", "--jobs", type=int, metavar="N", help=jobs)
+    parser.add_argument(
+        "--slurm", action="store_true", help="a Slurm job for every point; the folder must be one that all nodes see"
+    )
     parser.add_argument("--partition", help="Slurm's partition (default: the cluster's)")
     parser.add_argument("--account", help="Slurm's account")
-    parser.add_argument("--dry-run", action="store_true", help="say what would run, how large it is and how long it takes")
+    parser.add_argument(
+        "--dry-run", action="store_true", help="say what would run, how large it is and how long it takes"
+    )
     parser.add_argument("--yes", action="store_true", help="more than a thousand points are meant")
-    parser.add_argument("--program", default=os.environ.get("PIPELINE") or os.path.join(ROOT, "build", "pipeline"),
-                        help="the built program (default: build/pipeline of this folder, or what PIPELINE names)")
+    program = os.environ.get("PIPELINE") or os.path.join(ROOT, "build", "pipeline")
+    named = "the built program (default: build/pipeline of this folder, or what PIPELINE names)"
+    parser.add_argument("--program", default=program, help=named)
     chosen = parser.parse_args(arguments)
     if chosen.jobs is not None and chosen.jobs < 1:
         parser.error("-j: must be at least 1")
@@ -119,7 +128,7 @@ def refuse_other(folder, said, sweep):
     if kept.get("sweep") != sweep.name or kept.get("parameters") != list(sweep.axes):
         over = ", ".join(map(str, kept.get("parameters") or [])) or "nothing"
         raise Refused(f"{said}: holds the sweep '{kept.get('sweep')}' over {over}, this is '{sweep.name}' over "
-                      f"{', '.join(sweep.axes) or 'nothing'}; -o names another folder", 4)
+                      f"{', '.join(sweep.axes) or 'nothing'}; -o names another folder", 4)  # fmt: skip
 
 
 def locked(stack, work, folder):
@@ -131,7 +140,9 @@ def locked(stack, work, folder):
     except BlockingIOError:
         file.seek(0)
         who = " ".join(file.read().split()) or "unknown"
-        raise Refused(f"{folder}: another sweep ({who}) is at work here; wait for its end, or name another -o", 4) from None
+        raise Refused(
+            f"{folder}: another sweep ({who}) is at work here; wait for its end, or name another -o", 4
+        ) from None
     file.truncate(0)
     file.write(f"process {os.getpid()} on {socket.gethostname()}\n")
     file.flush()
@@ -142,14 +153,24 @@ class Job:
     """One call of scripts/sweep: what there is, what is to be done, and doing it."""
 
     def __init__(self, sweep, chosen, program, folder, work, lock):
-        self.sweep, self.chosen, self.program, self.folder, self.work, self.lock = sweep, chosen, program, folder, work, lock
+        self.sweep, self.chosen, self.program, self.folder, self.work, self.lock = (
+            sweep,
+            chosen,
+            program,
+            folder,
+            work,
+            lock,
+        )
         self.points, self.log = points(sweep), os.path.join(work, "snakemake.log")
         program_sha, digests, configs = file_sha256(program), {}, {}
         self.identities, self.again = {}, {}
         for point in self.points:
             if point.config not in configs:
                 configs[point.config] = file_sha256(point.config)
-            now = identity("", "", point.sets, sweep.options) | {"configuration": configs[point.config], "program": program_sha}
+            now = identity("", "", point.sets, sweep.options) | {
+                "configuration": configs[point.config],
+                "program": program_sha,
+            }
             self.identities[point.name] = now
             why = why_again(folder, point, now, [sweep.folder], digests)
             if why:
@@ -166,8 +187,8 @@ class Job:
         }
 
     def checked(self):
-        """name -> {memory_bytes, seconds, file_bytes} of what is to be run, or {exit_code, reason} of what cannot. Points
-        that differ by their seed alone are asked about once. Raises Refused when a key of the sweep is none."""
+        """name -> {memory_bytes, seconds, file_bytes} of what is to be run, or {exit_code, reason} of what cannot.
+        Points that differ by their seed alone are asked about once. Raises Refused when a key of the sweep is none."""
         if self.sweep.memory_mb and self.sweep.minutes:
             return {name: {} for name in self.again}
         groups = {}
@@ -189,7 +210,9 @@ class Job:
         for file, members in groups.items():
             told = read_json(file)
             if told is None:
-                raise Refused(f"{self.chosen.sweep}: what its points take was not found out: {snakemake_error(self.log)}", 1)
+                raise Refused(
+                    f"{self.chosen.sweep}: what its points take was not found out: {snakemake_error(self.log)}", 1
+                )
             for point in members:
                 bad = told["failed"].get(point.name)
                 if bad and "unknown key '" in bad["reason"]:
@@ -214,13 +237,21 @@ class Job:
             else:
                 rows.append((name, why, memory_text(told), time_text(told.get("seconds"))))
         widths = [max(len(row[column]) for row in rows) for column in range(3)]
-        lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, [*widths, 0])).rstrip() for row in rows] if self.again else []
+        lines = (
+            ["  ".join(cell.ljust(width) for cell, width in zip(row, [*widths, 0])).rstrip() for row in rows]
+            if self.again
+            else []
+        )
         known = [told for told in found.values() if "seconds" in told]
-        lines.append(f"{len(self.points)} points, {len(self.points) - len(self.again)} are done, {len(self.again)} would run")
+        lines.append(
+            f"{len(self.points)} points, {len(self.points) - len(self.again)} are done, {len(self.again)} would run"
+        )
         if known:
             seconds = [sum(told["seconds"][i] for told in known) for i in (0, 1)]
             size = sum(told["file_bytes"] for told in known)
-            lines[-1] += f": {time_text(seconds)} of processor time in all, {size / 1e6:,.0f} MB of files in {self.folder}"
+            lines[
+                -1
+            ] += f": {time_text(seconds)} of processor time in all, {size / 1e6:,.0f} MB of files in {self.folder}"
         say("\n".join(lines))
         return 0
 
@@ -235,7 +266,9 @@ class Job:
         for name, told in found.items():
             if "reason" in told:  # not worth a job
                 base = os.path.join(self.folder, "points", name)
-                write_json(base + ".json", self.fresh(named[name]) | told | {"status": "failed", "host": socket.gethostname()})
+                write_json(
+                    base + ".json", self.fresh(named[name]) | told | {"status": "failed", "host": socket.gethostname()}
+                )
                 if os.path.exists(base + ".h5"):  # of another configuration
                     os.remove(base + ".h5")
         memory = machine_memory_mb()
@@ -250,7 +283,10 @@ class Job:
                 os.remove(os.path.join(self.folder, "points", name + ".json"))
         interrupted = False
         if self.plan["run"]:
-            self.tell(f"{len(self.points)} points, {len(self.points) - len(self.again)} are done, {len(self.plan['run'])} to run")
+            self.tell(
+                f"{len(self.points)} points, {len(self.points) - len(self.again)} are done, "
+                f"{len(self.plan['run'])} to run"
+            )
             try:
                 self.snakemake("points", self.chosen.jobs, progress=True)
             except KeyboardInterrupt:
@@ -265,7 +301,8 @@ class Job:
             complain(f"{entry['name']}: {entry['status']}: {entry['reason']}")
         if len(bad) > 20:
             complain(f"and {len(bad) - 20} more; {MANIFEST} has all")
-        words = f"{len(self.points)} points: {len(self.points) - len(bad)} done, {len(bad)} not; {len(self.again)} of them in {span(time.monotonic() - began)} now"
+        words = f"{len(self.points)} points: {len(self.points) - len(bad)} done, {len(bad)} not; "
+        words += f"{len(self.again)} of them in {span(time.monotonic() - began)} now"
         say(f"{words}\n{os.path.join(self.folder, 'sweep.csv')}")
         if interrupted:
             raise KeyboardInterrupt
@@ -284,7 +321,10 @@ class Job:
                 kept = vars(point) | {"status": "missing", "reason": why or "has not run"}
             elif kept["status"] == "running":
                 job = f", job {kept['job']}" if kept.get("job") else ""
-                kept |= {"status": "died", "reason": f"{why or 'ended without a word'} (on {kept.get('node') or kept.get('host')}{job})"}
+                kept |= {
+                    "status": "died",
+                    "reason": f"{why or 'ended without a word'} (on {kept.get('node') or kept.get('host')}{job})",
+                }
             elif kept["status"] == "stopped" and why.startswith("Slurm"):
                 kept |= {"reason": f"{why}: {kept['reason']}"}
             entries.append(kept)
@@ -303,11 +343,15 @@ class Job:
         write_json(os.path.join(self.work, "plan.json"), self.plan)
         for name in ("checked", "ran"):
             shutil.rmtree(os.path.join(self.work, name), ignore_errors=True)
-        command = ["snakemake", "--snakefile", os.path.join(ROOT, "analysis", "sweep", "Snakefile"), target, "--keep-going",
-                   "--nolock", "--ignore-incomplete", "--rerun-triggers", "mtime", "--drop-metadata", "--scheduler", "greedy",
-                   "--nocolor"]
+        snakefile = os.path.join(ROOT, "analysis", "sweep", "Snakefile")
+        command = ["snakemake", "--snakefile", snakefile, target, "--keep-going", "--nolock", "--ignore-incomplete",
+                   "--rerun-triggers", "mtime", "--drop-metadata", "--scheduler", "greedy", "--nocolor"]  # fmt: skip
         if self.chosen.slurm and target == "points":
-            names = [f"slurm_{name}={value}" for name, value in (("partition", self.chosen.partition), ("account", self.chosen.account)) if value]
+            names = [
+                f"slurm_{name}={value}"
+                for name, value in (("partition", self.chosen.partition), ("account", self.chosen.account))
+                if value
+            ]
             command += ["--slurm", "--jobs", str(jobs), "--max-status-checks-per-second", "1", "--latency-wait", "60"]
             command += ["--default-resources", *names] if names else []
         else:
@@ -315,8 +359,9 @@ class Job:
         environment = {"USER": getpass.getuser()} | os.environ  # Snakemake's Slurm needs it
         with open(self.log, "wb") as log:
             # In a session of its own, so that Ctrl-C reaches it once, through this process.
-            process = subprocess.Popen(command, cwd=self.work, env=environment, stdin=subprocess.DEVNULL, stdout=log,
-                                       stderr=subprocess.STDOUT, start_new_session=True, pass_fds=[self.lock])
+            told = {"stdin": subprocess.DEVNULL, "stdout": log, "stderr": subprocess.STDOUT}
+            own = {"start_new_session": True, "pass_fds": [self.lock]}
+            process = subprocess.Popen(command, cwd=self.work, env=environment, **told, **own)
             seen = set()
             try:
                 while process.poll() is None:
@@ -339,8 +384,9 @@ class Job:
             seen.add(number)
             name = self.plan["run"][number]["name"]
             kept = state(self.folder, name) or {}
-            text = f"{kept.get('status', '?')}{', ' + span(kept['wall_time_s']) if kept.get('wall_time_s') is not None else ''}"
-            self.tell(f"{len(seen)}/{len(self.plan['run'])}  {name}: {text}{': ' * bool(kept.get('reason')) + kept.get('reason', '')}")
+            took = "" if kept.get("wall_time_s") is None else f", {span(kept['wall_time_s'])}"
+            why = f": {kept['reason']}" if kept.get("reason") else ""
+            self.tell(f"{len(seen)}/{len(self.plan['run'])}  {name}: {kept.get('status', '?')}{took}{why}")
 
     def tell(self, text):
         print(visible(text), file=sys.stderr, flush=True)
@@ -369,7 +415,9 @@ def snakemake_error(log):
     except OSError:
         lines = []
     for number, line in enumerate(lines):
-        if line.startswith(("WorkflowError", "OSError", "PermissionError", "MissingInputException", "snakemake: error")):
+        if line.startswith(
+            ("WorkflowError", "OSError", "PermissionError", "MissingInputException", "snakemake: error")
+        ):
             return " ".join(" ".join(lines[number : number + 3]).split())
     return f"the scheduler did not run it; {log} is what it said"
 

@@ -28,8 +28,9 @@ class Refused(Exception):
 
 @dataclass(frozen=True)
 class Sweep:
-    """axes: parameter -> list of (value, {key: TOML text}), in the file's order, the seeds last; a value is a number or a
-    text. sets: {key: TOML text} of every point; grid_keys: those of the axes; memory_mb, minutes: None to ask check."""
+    """axes: parameter -> list of (value, {key: TOML text}), in the file's order, the seeds last; a value is a number or
+    a text. sets: {key: TOML text} of every point; grid_keys: those of the axes; memory_mb, minutes: None to ask check.
+    """
 
     path: str
     name: str
@@ -85,7 +86,7 @@ def read(path):
             raise Refused(f"{path}: 'options' must be a list of texts, not {option!r}")
         if option.split("=")[0] in OURS:
             raise Refused(f"{path}: 'options': {option.split('=')[0]} is said by the sweep itself; remove it"
-                          f"{', or write threads = N' if option.startswith('--threads') else ''}")
+                          f"{', or write threads = N' if option.startswith('--threads') else ''}")  # fmt: skip
     threads = _typed(path, raw, "threads", int, "a whole number of at least 1", 1)
     if not 1 <= threads <= 1024:
         raise Refused(f"{path}: 'threads' must be 1 to 1024, not {threads}")
@@ -102,8 +103,10 @@ def refuse_if_many(sweep, yes):
     if sweep.count <= MOST_POINTS or yes:
         return
     each = " x ".join(f"{name} {len(values):,}" for name, values in sweep.axes.items())
-    raise Refused(f"{sweep.path}: would be {sweep.count:,} points ({each}), each a process and a file; with --yes it is done, "
-                  f"fewer than {MOST_POINTS:,} are without")
+    raise Refused(
+        f"{sweep.path}: would be {sweep.count:,} points ({each}), each a process and a file; more than {MOST_POINTS:,}"
+        " are done only with --yes"
+    )
 
 
 def points(sweep):
@@ -123,7 +126,7 @@ def points(sweep):
 
 
 def point_name(parameters):
-    """"segments=16,seed=3". Different parameters never get one name: what a file's name cannot say is followed by a
+    """ "segments=16,seed=3". Different parameters never get one name: what a file's name cannot say is followed by a
     digest of it."""
     name = ",".join(f"{key}={_value_name(value)}" for key, value in parameters.items())
     return name if len(name) <= MOST_NAME else f"{name[: MOST_NAME - 13]}~{_digest(name)}"
@@ -136,13 +139,17 @@ def value_text(value):
     if isinstance(value, float):
         texts = [re.sub(r"e\+?(-?)0*(?=\d)", r"e\1", text) for text in (f"{value:g}", repr(value))]
         return min(texts, key=lambda text: (float(text) != value, len(text)))
-    if isinstance(value, list) and value and all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in value):
+    if (
+        isinstance(value, list)
+        and value
+        and all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in value)
+    ):
         return "x".join(map(value_text, value))
     return value if isinstance(value, str) else toml(value)
 
 
 def _value_name(value):
-    """A value in a file's name; the values of an axis have different texts, and what is changed in one has its digest."""
+    """A value in a file's name; the values of an axis have different texts, and one that is changed has its digest."""
     text = value_text(value)
     if PLAIN.fullmatch(text) and len(text) <= 60:
         return text
@@ -197,7 +204,9 @@ def _axes(path, raw, configs, sets):
         if not PLAIN.fullmatch(name) or name in axes or name in ("seed", "config"):
             raise Refused(f"{path}: '{place}' must have a name of its own, of letters, digits and _.+-")
         if not isinstance(values, dict) or not values or not all(isinstance(value, dict) for value in values.values()):
-            raise Refused(f"{path}: '{place}' must be a table of values, each with the keys that it sets: 275 = {{ steps = 60 }}")
+            raise Refused(
+                f"{path}: '{place}' must be a table of values, each with the keys that it sets: 275 = {{ steps = 60 }}"
+            )
         found = {value: _sets(path, f"{place}.{value}", table) for value, table in values.items()}
         for key in dict.fromkeys(key for table in found.values() for key in table):
             claim(place, key)
@@ -208,7 +217,10 @@ def _axes(path, raw, configs, sets):
     if seeds is not None:
         whole = isinstance(seeds, (list, range)) and all(type(seed) is int and seed >= 0 for seed in seeds)
         if not whole or not len(seeds):
-            raise Refused(f"{path}: 'seeds' must be a list of whole numbers of at least 0, or how many, not {value_text(raw['seeds'])}")
+            raise Refused(
+                f"{path}: 'seeds' must be a list of whole numbers of at least 0, or how many, not "
+                f"{value_text(raw['seeds'])}"
+            )
         claim("seeds", "seed")
         _once(path, "seeds", list(seeds) if isinstance(seeds, list) else [])
         axes["seed"] = [(seed, {"seed": str(seed)}) for seed in seeds]
@@ -250,7 +262,7 @@ def _short(keys):
         parts = key.split(".")
         ends = (".".join(parts[-n:]) for n in range(1, len(parts) + 1))
         found[key] = next((end for end in ends if end not in ("seed", "config")
-                           and sum(other == end or other.endswith("." + end) for other in keys) == 1), key)
+                           and sum(other == end or other.endswith("." + end) for other in keys) == 1), key)  # fmt: skip
     return found
 
 

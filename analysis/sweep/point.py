@@ -46,7 +46,10 @@ def run(plan, point):
         changed = identity(plan["program"], point["config"], point["sets"], plan["options"])
         if changed != point["identity"]:
             what = [name for name, value in changed.items() if value != point["identity"][name]]
-            state |= {"status": "failed", "reason": f"{', '.join(what)} changed while the sweep was running; run it again"}
+            state |= {
+                "status": "failed",
+                "reason": f"{', '.join(what)} changed while the sweep was running; run it again",
+            }
         else:
             state |= _ran(plan, point, base)
         write_json(base + ".json", state)
@@ -61,9 +64,13 @@ def _ran(plan, point, base):
                "--threads", str(plan["threads"]), *_sets(point), *plan["options"]]
     stopped, began = [], time.monotonic()
     with open(base + ".log", "wb") as log:
-        process = subprocess.Popen(command, cwd=plan["cwd"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log)
+        process = subprocess.Popen(
+            command, cwd=plan["cwd"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log
+        )
 
-        def stop(number, _):  # scancel, a time limit and Ctrl-C: the program keeps what it has, the next sweep goes on from there
+        def stop(
+            number, _
+        ):  # scancel, a time limit and Ctrl-C: the program keeps what it has, the next sweep goes on from there
             stopped.append(number)
             process.terminate()
 
@@ -73,9 +80,15 @@ def _ran(plan, point, base):
     found = {"exit_code": code if code >= 0 else 128 - code, "wall_time_s": round(time.monotonic() - began, 3)}
     if stopped:
         name = signal.Signals(stopped[0]).name
-        return found | {"status": "stopped", "reason": f"stopped by {name} (cancelled, or its time was up); a rerun goes on from there"}
+        return found | {
+            "status": "stopped",
+            "reason": f"stopped by {name} (cancelled, or its time was up); a rerun goes on from there",
+        }
     if code < 0:
-        return found | {"status": "failed", "reason": f"killed by {signal.Signals(-code).name}{' (its memory was up?)' * (code == -9)}"}
+        return found | {
+            "status": "failed",
+            "reason": f"killed by {signal.Signals(-code).name}{' (its memory was up?)' * (code == -9)}",
+        }
     reason = "" if code == 0 else _reason(base) or f"exit code {code} without a word"
     if code in (0, 1) and os.path.exists(base + ".h5"):
         try:
@@ -93,8 +106,15 @@ def _told(path):
     rows = []
     for label, row in result.summary.iterrows() if len(result.summary.columns) else []:
         answers = result.meta["answers"][label]
-        kept = {name: answers[name] for name in ("name", "knobs", "promise", "scope", "operations_unit") if name in answers}
-        rows.append({"label": label} | {"algorithm": kept.pop("name", label)} | kept | {name: plain(v) for name, v in row.items()})
+        kept = {
+            name: answers[name] for name in ("name", "knobs", "promise", "scope", "operations_unit") if name in answers
+        }
+        rows.append(
+            {"label": label}
+            | {"algorithm": kept.pop("name", label)}
+            | kept
+            | {name: plain(v) for name, v in row.items()}
+        )
     return {
         "digest": result.meta["digest"],
         "file_bytes": os.path.getsize(path),
@@ -133,13 +153,18 @@ def check(plan, group):
     for point in group["points"]:
         output = os.path.join(plan["folder"], "points", point["name"] + ".h5")
         command = [plan["program"], "check", point["config"], "-o", output, "--json", *_sets(point), *plan["options"]]
-        done = subprocess.run(command, cwd=plan["cwd"], stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace")
+        done = subprocess.run(
+            command, cwd=plan["cwd"], stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace"
+        )
         if done.returncode == 0:
             told = json.loads(done.stdout)
             found = {name: told[name] for name in ("memory_bytes", "seconds", "file_bytes")}
             break
         lines = [line for line in done.stderr.strip().splitlines() if not line.startswith(NOTE)]
-        failed[point["name"]] = {"exit_code": done.returncode, "reason": lines[-1] if lines else "check failed without a word"}
+        failed[point["name"]] = {
+            "exit_code": done.returncode,
+            "reason": lines[-1] if lines else "check failed without a word",
+        }
     else:
         found = {}
     try:

@@ -43,7 +43,11 @@ def file_sha256(path):
 def identity(program, config, sets, options):
     """What a point's result depends on, besides the files that its configuration names."""
     said = json.dumps([sets, options])
-    return {"configuration": file_sha256(config), "settings": hashlib.sha256(said.encode()).hexdigest(), "program": file_sha256(program)}
+    return {
+        "configuration": file_sha256(config),
+        "settings": hashlib.sha256(said.encode()).hexdigest(),
+        "program": file_sha256(program),
+    }
 
 
 def inputs_sha256(text):
@@ -62,8 +66,9 @@ def state(folder, name):
 
 
 def why_again(folder, point, now, places, digests):
-    """Why a point must be run, "" when its result holds. now: its identity(); places: folders in which inputs are looked
-    for besides the configuration's; digests: file -> SHA-256, filled here, for one input may be that of many points."""
+    """Why a point must be run, "" when its result holds. now: its identity(); places: folders in which inputs are
+    looked for besides the configuration's; digests: file -> SHA-256, filled here, for one input may be that of many.
+    """
     kept = state(folder, point.name)
     if kept is None:
         return "missing"

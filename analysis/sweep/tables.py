@@ -50,8 +50,8 @@ def replaced(path):
 
 
 def index(path, manifest):
-    """/points has a row per point, /summary a copy of all results' summaries, a row per point and label, so that nothing
-    is missing where a result is; /results has an external link to each that there is."""
+    """/points has a row per point, /summary a copy of all results' summaries, a row per point and label, so that
+    nothing is missing where a result is; /results has an external link to each that there is."""
     points = manifest["points"]
     with h5py.File(path, "w") as file:
         file.attrs.update({"sweep": manifest["sweep"], "title": manifest["title"], "date": manifest["date"],
@@ -62,14 +62,28 @@ def index(path, manifest):
         group = file.create_group("points")
         group["point"] = file["point"]  # so that the group can be opened alone
         for name in manifest["parameters"]:
-            put(group, f"parameter_{name}", [entry["parameters"][name] for entry in points], "point", "1", f"parameter {name}")
+            put(
+                group,
+                f"parameter_{name}",
+                [entry["parameters"][name] for entry in points],
+                "point",
+                "1",
+                f"parameter {name}",
+            )
         for name, long_name in POINT.items():
             preset = "" if name in TEXTS else -1 if name == "exit_code" else None
             values = [preset if entry.get(name) is None else entry[name] for entry in points]
             put(group, name, values, "point", UNITS.get(name, "1"), long_name)
         group = file.create_group("summary")
         group["row"] = file["row"]
-        put(group, "point_number", np.array([number for number, _ in rows], dtype=np.int64), "row", "1", "row of /points")
+        put(
+            group,
+            "point_number",
+            np.array([number for number, _ in rows], dtype=np.int64),
+            "row",
+            "1",
+            "row of /points",
+        )
         for name in dict.fromkeys(name for _, row in rows for name in row):
             unit = "ns" if name.endswith("_ns") else "B" if name.endswith("_bytes") else "1"
             put(group, name, [row.get(name) for _, row in rows], "row", unit, name.replace("_", " "))
@@ -93,7 +107,9 @@ def put(group, name, values, dimension, unit, long_name):
         data = group.create_dataset(name, data=np.array(values, dtype=np.uint8))
     elif all(isinstance(value, (int, float, np.integer)) and not isinstance(value, bool) for value in known):
         whole = len(known) == len(values) and all(isinstance(value, (int, np.integer)) for value in values)
-        data = group.create_dataset(name, data=np.array([np.nan if v is None else v for v in values], dtype=np.int64 if whole else float))
+        data = group.create_dataset(
+            name, data=np.array([np.nan if v is None else v for v in values], dtype=np.int64 if whole else float)
+        )
     else:
         texts = ["" if value is None else value if isinstance(value, str) else json.dumps(value) for value in values]
         data = group.create_dataset(name, data=np.array(texts, dtype=object), dtype=h5py.string_dtype())

@@ -11,13 +11,14 @@ import pandas as pd
 from analysis.load import load
 from analysis.tables import pareto, scenes
 from analysis.tables.statements import verdicts
+from analysis.words import listed, verb
 
 OF_STATEMENTS = ("box", "falling", "playground")
 
 
 @dataclass(frozen=True)
 class Fact:
-    """Something that is so at some points. text: a sentence without its end; held, of: at how many of how many points."""
+    """What is so at some points. text: a sentence without its end; held, of: at how many of how many points."""
 
     kind: str
     text: str
@@ -44,15 +45,26 @@ def axes(table):
 
 
 def settings(table, without=()):
-    """[(text, rows)]: the rows by all parameters but the seed and those of `without`, in the order of the sweep; the text
-    is "" where there is only one."""
-    names = [name for name in table.attrs["parameters"] if name != "seed" and name not in without and table[name].nunique() > 1]
+    """[(text, rows)]: the rows by all parameters but the seed and those of `without`, in the order of the sweep; the
+    text is "" where there is only one."""
+    names = [
+        name
+        for name in table.attrs["parameters"]
+        if name != "seed" and name not in without and table[name].nunique() > 1
+    ]
     if not names:
         return [("", table)]
     found = []
     for values, rows in table.groupby(names if len(names) > 1 else names[0], sort=False):
         rows.attrs, values = table.attrs, values if len(names) > 1 else [values]
-        found.append((", ".join(f"{name} {text(value)}" if name != "config" else str(value) for name, value in zip(names, values)), rows))
+        found.append(
+            (
+                ", ".join(
+                    f"{name} {text(value)}" if name != "config" else str(value) for name, value in zip(names, values)
+                ),
+                rows,
+            )
+        )
     return found
 
 
@@ -68,7 +80,7 @@ def machine(rows):
 
 
 def side_by_side(table):
-    """host -> how many of its points ran while another did, of hosts where that happened: their times disturb each other."""
+    """host -> how many of its points ran while another did, of hosts where any did: their times disturb each other."""
     found = {}
     for host, rows in points(table).dropna(subset=["began", "wall_time_s"]).groupby("host", sort=False):
         start, end = rows.began.to_numpy(), (rows.began + rows.wall_time_s).to_numpy()
@@ -79,7 +91,7 @@ def side_by_side(table):
 
 
 def spread(rows, column, by):
-    """Per combination of `by`: mean, sd (of one draw; NaN of one), least, most, count of `column`, in the rows' order."""
+    """Per combination of `by`: mean, sd (of a draw; NaN of one), least, most, count of `column`, in the rows' order."""
     found = rows.groupby(by, sort=False)[column].agg(["mean", "std", "min", "max", "count"])
     return found.rename(columns={"std": "sd", "min": "least", "max": "most"}).reset_index()
 
@@ -95,29 +107,31 @@ def facts(table):
     for part in by_point:
         for kind, text_ in told(part):
             found[kind, text_] = found.get((kind, text_), 0) + 1
-    listed = [Fact(kind, text_, held, len(by_point)) for (kind, text_), held in found.items()]
+    every = [Fact(kind, text_, held, len(by_point)) for (kind, text_), held in found.items()]
     kinds = ["error", "time", "front", "right", "misses", "promise"]
-    return sorted(listed, key=lambda fact: (fact.held < fact.of, kinds.index(fact.kind), -fact.held, fact.text))
+    return sorted(every, key=lambda fact: (fact.held < fact.of, kinds.index(fact.kind), -fact.held, fact.text))
 
 
 def told(rows):
     """What one point says: (kind, sentence without its end)."""
     least, quickest = rows.error.min(), rows.time_mean_ns.min()
     best = list(rows.label[rows.error == least])
-    found = [("error", f"{best[0]} errs least" if len(best) == 1 else f"{', '.join(best[:-1])} and {best[-1]} err least")]
+    found = [("error", f"{listed(best)} {verb(best, 'errs', 'err')} least")]
     found += [("time", f"{label} is the quickest") for label in rows.label[rows.time_mean_ns == quickest]]
     front = pareto.front(rows.time_mean_ns.fillna(np.inf), rows.error)
     found += [("front", f"{label} is on the front of error against time") for label in rows.label[front]]
     found += [("right", f"{label} makes no error") for label in rows.label[rows.error == 0]]
-    found += [("misses", f"{label} misses no pair") for label in rows.label[(rows.false_negative == 0) & (rows.error > 0)]]
+    found += [
+        ("misses", f"{label} misses no pair") for label in rows.label[(rows.false_negative == 0) & (rows.error > 0)]
+    ]
     if "promise_kept" in rows and (rows.promise_kept == 1).all():
         found.append(("promise", "every promise is kept"))
     return found
 
 
 def order(table, column):
-    """Label by label: at how many points the row's `column` is below the column's, and of how many points that have both.
-    Two frames of counts."""
+    """Label by label: at how many points the row's `column` is below the column's, and of how many points that have
+    both. Two frames of counts."""
     wide = answers(table).pivot_table(index="point", columns="label", values=column, sort=False)
     labels = list(wide.columns)
     below, both = pd.DataFrame(0, labels, labels), pd.DataFrame(0, labels, labels)
@@ -136,7 +150,9 @@ def undecided(table, column):
     for a, b in pairs:
         one, other = int(below.loc[a, b]), int(below.loc[b, a])
         if one and other:
-            found.append((a, b, one, other, int(both.loc[a, b])) if one >= other else (b, a, other, one, int(both.loc[a, b])))
+            found.append(
+                (a, b, one, other, int(both.loc[a, b])) if one >= other else (b, a, other, one, int(both.loc[a, b]))
+            )
     return found, len(pairs)
 
 
@@ -147,7 +163,9 @@ def statements(table):
     rows, lost = {}, []
     done = points(table)[lambda t: t.status == "done"]
     names = [name for name in table.attrs["parameters"] if name != "config"]
-    groups = [group for _, group in done.groupby(names if len(names) > 1 else names[0], sort=False)] if names else [done]
+    groups = (
+        [group for _, group in done.groupby(names if len(names) > 1 else names[0], sort=False)] if names else [done]
+    )
     for group in groups:
         found = {}
         for name in group.point:
@@ -159,15 +177,19 @@ def statements(table):
             except (OSError, KeyError, ValueError, RuntimeError) as error:
                 lost.append(f"{name}: {' '.join(str(error).split())}")
         for verdict in verdicts(found) if found else []:
-            row = rows.setdefault((verdict.number, verdict.variant), {"statement": verdict.text, "confirmed": 0, "refuted": 0, "refuted at": []})
+            row = rows.setdefault(
+                (verdict.number, verdict.variant),
+                {"statement": verdict.text, "confirmed": 0, "refuted": 0, "refuted at": []},
+            )
             if verdict.verdict in ("confirmed", "refuted"):
                 row[verdict.verdict] += 1
                 row["refuted at"] += list(group.point[:1]) * (verdict.verdict == "refuted")
     kept = {key: row for key, row in rows.items() if row["confirmed"] + row["refuted"]}
     table = pd.DataFrame(
         [
-            {"no.": f"{number} {variant}".strip(), "statement": row["statement"], "confirmed": row["confirmed"], "refuted": row["refuted"],
-             "refuted at": "; ".join(row["refuted at"]) if row["confirmed"] else "everywhere" if row["refuted"] else "nowhere"}
+            {"no.": f"{number} {variant}".strip(), "statement": row["statement"], "confirmed": row["confirmed"],
+             "refuted": row["refuted"],
+             "refuted at": "; ".join(row["refuted at"]) if row["confirmed"] else "everywhere"}
             for (number, variant), row in kept.items()
         ],
         columns=["no.", "statement", "confirmed", "refuted", "refuted at"],

@@ -1,6 +1,7 @@
 #include "pipeline/commands/list.hpp"
 
 #include <CLI/App.hpp>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -117,9 +118,9 @@ std::string where_text(const std::vector<std::string>& where) {
     for (const NamedText& row : all) std::erase(left, row.name);
     text += (text.empty() ? "" : ", ") + std::string(word);
   };
-  take(named("scenes"), "every scene");
-  take(named("problems"), "every study");
-  take(named("shapes"), "every shape");
+  take(rows_of("scenes"), "every scene");
+  take(rows_of("problems"), "every study");
+  take(rows_of("shapes"), "every shape");
   for (const std::string& name : left) text += (text.empty() ? "" : ", ") + name;
   return text;
 }

@@ -95,7 +95,7 @@ std::string share_text(double value) { return std::isnan(value) ? "-" : print("%
 std::string passes_text(const Result& result) {
   const Passes& passes = *result.passes;
   const std::vector<std::string> names = targets(passes.rows);
-  std::vector<std::vector<std::string>> first = {{"first report"}}, wrong = {{"missed + invented"}};
+  std::vector<std::vector<std::string>> first = {{"first report"}}, wrong = {{"missed + false positives"}};
   for (const std::string& name : names) {
     first[0].push_back(name);
     wrong[0].push_back(name);
@@ -110,7 +110,7 @@ std::string passes_text(const Result& result) {
                              : std::fabs(row.median) < 0.5e-3 ? "0.000"
                                                               : print("%+.3f", row.median));
       wrong.back().push_back(print("%llu + %llu", static_cast<unsigned long long>(row.missed),
-                                   static_cast<unsigned long long>(row.false_alarms)));
+                                   static_cast<unsigned long long>(row.false_positives)));
     }
   }
   std::vector<std::string> met = {"passes that meet"};
@@ -127,7 +127,8 @@ std::string passes_text(const Result& result) {
          "\nfirst report: metres before (+) or after (-) the exact first contact, the median over the passes that meet "
          "and are reported\n\n" +
          aligned(wrong) +
-         "\nmissed: passes that meet and are never reported; invented: passes that never meet and are reported\n\n";
+         "\nmissed: passes that meet and are never reported; false positives: passes that never meet and are "
+         "reported\n\n";
 }
 
 Json passes_json(const Result& result) {
@@ -141,7 +142,7 @@ Json passes_json(const Result& result) {
                       {"passes", row.passes},
                       {"met", row.met},
                       {"missed", row.missed},
-                      {"invented", row.false_alarms},
+                      {"false_positives", row.false_positives},
                       {"flicker", row.flicker},
                       {"first_median", row.median},
                       {"first_earliest", row.earliest},

@@ -26,9 +26,8 @@ void get_facts(ChunkReader& in, Answers& answers) {
   for (std::string* text : {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope, &f.transport,
                             &f.command, &f.files, &f.version, &f.language, &f.precision, &f.reason})
     *text = in.text();
-  const auto whole = in.get<std::int64_t>();
-  const auto real = in.get<double>();
-  if (whole.size() != 2 || real.size() != 1) return;
+  const auto whole = in.get<std::int64_t>(2);
+  const auto real = in.get<double>(1);
   f.threads = whole[0];
   f.steps_done = whole[1];
   f.waited = real[0];
@@ -69,14 +68,18 @@ void put_steps(const Answers& answers, std::int64_t first, std::int64_t last, Ch
   });
 }
 
-Answers get_steps(ChunkReader& in) {
+Answers get_steps(ChunkReader& in, std::int64_t steps, std::uint64_t bodies) {
   Answers answers;
   get_facts(in, answers);
-  if (const auto costs = in.get<Costs>(); costs.size() == 1) answers.costs = costs[0];
+  answers.costs = in.get<Costs>(1)[0];
   answers.hits.offset = in.get<std::uint64_t>();
   answers.hits.pair = in.get<Pair>();
-  each_answer_column(
-      [&]<class T>(const Column<Answers, std::vector<T>>& column) { answers.*column.member = in.get<T>(); });
+  in.require(sound(answers.hits, std::uint64_t(steps), bodies));
+  each_answer_column([&]<class T>(const Column<Answers, std::vector<T>>& column) {
+    std::vector<T>& values = answers.*column.member;
+    values = in.get<T>();
+    in.require(values.size() == std::size_t(steps) || (column.optional && values.empty()));
+  });
   return answers;
 }
 

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -117,6 +118,17 @@ class ChunkReader {
     std::vector<T> values(count);
     take(values.data(), count * sizeof(T));
     return values;
+  }
+  /// `count` of them.
+  template <class T>
+  std::vector<T> get(std::size_t count) {
+    std::vector<T> values = get<T>();
+    require(values.size() == count);
+    return values;
+  }
+  /// What was read can be what a run of this size keeps.
+  void require(bool holds) const {
+    if (!holds) throw std::logic_error("a chunk does not hold what a run of this size keeps");
   }
   std::string text() {
     const std::vector<char> letters = get<char>();

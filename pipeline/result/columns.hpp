@@ -33,7 +33,7 @@ inline constexpr Column<Answers, std::vector<std::int64_t>> kAnswerTimes[] = {
     {"time_ns", &Answers::time_ns, "ns", "fastest repeat of the step, preparation included"},
     {"time_median_ns", &Answers::time_median_ns, "ns", "median repeat of the step, preparation included"},
     {"prepare_ns", &Answers::prepare_ns, "ns",
-     "of the fastest repeat, what was made ready for all bodies before the first pair"},
+     "part of the fastest repeat: what is made ready for all bodies before the first pair"},
     {"processor_ns", &Answers::processor_ns, "ns",
      "processor time of the fastest repeat; where time_ns is more, the processor did other work; 0: not taken",
      /*optional=*/true},

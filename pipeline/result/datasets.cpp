@@ -39,11 +39,16 @@ Result answered() {
   return out;
 }
 
-void record_containment(Result& result) {
-  result.truth.containment = Containment::record;
+void list_contained(Result& result) {
+  result.truth.containment = Containment::meet;
   for (int step = 0; step < 2; ++step) result.truth.contained.append({});
   result.truth.contained_inside.emplace();
   result.truth.closed_within = {0};
+}
+
+void count_contained(Result& result) {
+  list_contained(result);
+  result.truth.containment = Containment::record;
   result.answers[0].contained_hit = {0, 0};
   result.summary[0].contained_hit = 0;
 }
@@ -73,7 +78,8 @@ constexpr Feature kFeatures[] = {
      [](Result& result) {
        result.bodies.chosen = {1, 0};
      }},
-    {"containment is recorded or counts", record_containment},
+    {"containment = \"record\" or \"meet\"", list_contained},
+    {"containment = \"record\"", count_contained},
     {"[truth] gap = true", keep_gaps},
     {"[timing] noise = true",
      [](Result& result) {
@@ -154,6 +160,12 @@ std::vector<DatasetFacts> dataset_facts() {
     const bool of_motion = std::ranges::find(in_unanswered, facts.path) != in_unanswered.end();
     facts.when = of_study ? "always" : of_motion ? "a scene" : "a scene with algorithms";
   }
+  // Group by group, those of a group as they came.
+  std::vector<std::string> groups;
+  for (const DatasetFacts& facts : all) groups.push_back(facts.path.substr(0, facts.path.rfind('/')));
+  std::ranges::stable_sort(all, {}, [&](const DatasetFacts& facts) {
+    return std::ranges::find(groups, facts.path.substr(0, facts.path.rfind('/'))) - groups.begin();
+  });
   return all;
 }
 

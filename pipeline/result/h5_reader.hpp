@@ -105,12 +105,7 @@ class Reader {
     PairLists out;
     out.offset = values<std::uint64_t>(group + "/" + prefix + (prefix.empty() ? "pair_offset" : "offset"), {steps + 1});
     out.pair = values<Pair>(group + "/" + prefix + "pair", Type::u32, {kAny, 2});
-    bool sound = out.offset.front() == 0 && out.offset.back() == out.pair.size() &&
-                 std::ranges::is_sorted(out.offset) &&
-                 std::ranges::all_of(out.pair, [&](const Pair& pair) { return pair.a < pair.b && pair.b < bodies; });
-    for (std::uint64_t s = 0; sound && s < steps; ++s)
-      sound = std::ranges::adjacent_find(out.at(s), std::ranges::greater_equal()) == out.at(s).end();
-    if (!sound) throw h5::Failure(group + ": pairs or offsets are not in order");
+    if (!sound(out, steps, bodies)) throw h5::Failure(group + ": pairs or offsets are not in order");
     return out;
   }
 

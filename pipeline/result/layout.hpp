@@ -90,7 +90,7 @@ inline constexpr Column<ExtremeCase, double> kCaseReals[] = {
     {"gap", &ExtremeCase::gap, "m", "displacement along the approach from exact touching; positive: apart"},
     {"ulp", &ExtremeCase::ulp, "m", "spacing of doubles at the greatest coordinate, offset + 8 scale"},
     {"scale", &ExtremeCase::scale, "m", "size of the bodies: about half their extent"},
-    {"offset", &ExtremeCase::offset, "m", "of each coordinate of the first body"}};
+    {"offset", &ExtremeCase::offset, "m", "each coordinate at which the first body stands"}};
 inline constexpr Column<ExtremeCase, std::int64_t> kCaseIntegers[] = {
     {"gap_ulps", &ExtremeCase::gap_ulps, "1", "gap in units of ulp"}};
 inline constexpr Column<ExtremeCase, std::uint64_t> kCaseCounts[] = {
@@ -162,7 +162,7 @@ inline constexpr Column<StudyRow, double> kStudyParameters[] = {
     {"greatest_step", &StudyRow::greatest_step, "s", "steps are at most of this length, unless fixed"},
     {"radius", &StudyRow::radius, "m", "radius of the ball"},
     {"thickness", &StudyRow::thickness, "m", "thickness of the plate"},
-    {"offset", &StudyRow::offset, "m", "everything is moved so far along x, y and z"},
+    {"offset", &StudyRow::offset, "m", "everything is moved that far along x, y and z"},
     {"mass", &StudyRow::mass, "kg", "mass of the ball"},
     {"inertia", &StudyRow::inertia, "kg m^2", "moment of inertia of the ball"},
     {"balls", &StudyRow::balls, "1", "balls in the stack"},
@@ -193,7 +193,7 @@ inline constexpr Column<StudyRow, std::uint64_t> kStudyCounts[] = {
 inline constexpr Column<StudyRow, bool, std::uint8_t> kStudyFinished{"finished", &StudyRow::finished, "1",
                                                                      "1 when the end was reached"};
 inline constexpr Column<StudyRow, std::int64_t> kStudyTime{
-    "time_ns", &StudyRow::time_ns, "ns", "time of processor for the integration; the fastest of up to five"};
+    "time_ns", &StudyRow::time_ns, "ns", "processor time of the integration; the fastest of up to five"};
 
 /// Tells `each` every column of what an algorithm said about the cases of /extremes.
 template <typename Each>

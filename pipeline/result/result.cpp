@@ -21,6 +21,15 @@ std::vector<Pair> Truth::scoring(std::size_t step) const {
   return out;
 }
 
+bool sound(const PairLists& lists, std::uint64_t steps, std::uint64_t bodies) {
+  bool sound = lists.offset.size() == steps + 1 && lists.offset.front() == 0 &&
+               lists.offset.back() == lists.pair.size() && std::ranges::is_sorted(lists.offset) &&
+               std::ranges::all_of(lists.pair, [&](const Pair& pair) { return pair.a < pair.b && pair.b < bodies; });
+  for (std::uint64_t s = 0; sound && s < steps; ++s)
+    sound = std::ranges::adjacent_find(lists.at(s), std::ranges::greater_equal()) == lists.at(s).end();
+  return sound;
+}
+
 std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these) {
   std::vector<Pair> rest;
   std::set_difference(from.begin(), from.end(), these.begin(), these.end(), std::back_inserter(rest));

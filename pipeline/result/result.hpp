@@ -33,6 +33,9 @@ struct PairLists {
   }
 };
 
+/// Whether offsets and pairs are in order, those of `steps` steps with `bodies` bodies.
+bool sound(const PairLists& lists, std::uint64_t steps, std::uint64_t bodies);
+
 /// The pairs of `from` that are not among `these`; all sorted.
 std::vector<Pair> without(std::span<const Pair> from, std::span<const Pair> these);
 

@@ -161,14 +161,14 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
 std::vector<Pair> judge(std::span<const Pair> hits, const Truth& all_truth, std::size_t step, Answers& out) {
   const std::vector<Pair> truth = all_truth.scoring(step);
   std::vector<Pair> missed = without(truth, hits);
-  std::vector<Pair> invented = without(hits, truth);
+  std::vector<Pair> wrong = without(hits, truth);
   if (all_truth.containment == Containment::record) {
-    const std::size_t reported = invented.size();
-    invented = without(invented, all_truth.contained.at(step));
-    out.contained_hit.push_back(reported - invented.size());
+    const std::size_t reported = wrong.size();
+    wrong = without(wrong, all_truth.contained.at(step));
+    out.contained_hit.push_back(reported - wrong.size());
   }
   out.true_positive.push_back(truth.size() - missed.size());
-  out.false_positive.push_back(invented.size());
+  out.false_positive.push_back(wrong.size());
   out.false_negative.push_back(missed.size());
   out.hits.append(hits);
   return missed;
@@ -234,7 +234,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     const std::string name = chunk_name("answers", first);
     if (const auto kept = part ? part->load(name) : std::nullopt) {
       ChunkReader in(*kept);
-      for (Answers& answers : all) append_steps(get_steps(in), answers);
+      for (Answers& answers : all) append_steps(get_steps(in, last - first, bodies.size()), answers);
       progress.add(std::uint64_t(last - first), false);
       continue;
     }

@@ -152,10 +152,10 @@ std::string bytes_of(const Answers& answers, const ExtremeAnswers& cases) {
   return out.bytes;
 }
 
-ExtremeAnswers get_cases(ChunkReader& in) {
+ExtremeAnswers get_cases(ChunkReader& in, std::size_t steps) {
   ExtremeAnswers cases;
   each_case_answer_column(
-      [&]<class T>(const Column<ExtremeAnswers, std::vector<T>>& column) { cases.*column.member = in.get<T>(); });
+      [&]<class T>(const Column<ExtremeAnswers, std::vector<T>>& column) { cases.*column.member = in.get<T>(steps); });
   cases.reason = in.text();
   return cases;
 }
@@ -224,8 +224,8 @@ ExtremesDetected detect_extremes(const Bodies& bodies, const Poses& poses, const
       for (std::size_t c = 0; c < choices.size(); ++c) {
         const std::string bytes = in.text();
         ChunkReader one(bytes);
-        append_steps(get_steps(one), all.answers[c]);
-        append_cases(get_cases(one), all.cases[c]);
+        append_steps(get_steps(one, last - first, bodies.size()), all.answers[c]);
+        append_cases(get_cases(one, std::size_t(last - first)), all.cases[c]);
       }
       progress.add(std::uint64_t(last - first), false);
       continue;

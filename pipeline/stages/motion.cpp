@@ -26,12 +26,14 @@ struct MotionChunk {
     out.put(std::vector<double>{reference_energy});
     return out.bytes;
   }
-  static MotionChunk from(const std::string& bytes) {
+  static MotionChunk from(const std::string& bytes, std::size_t steps, std::size_t bodies) {
     ChunkReader in(bytes);
     MotionChunk chunk;
     chunk.samples = in.get<BodyState>();
     chunk.rows = in.get<PhysicsSample>();
+    in.require(chunk.samples.size() == chunk.rows.size() * bodies);
     chunk.failure = in.text();
+    in.require(chunk.failure.empty() ? chunk.rows.size() == steps : chunk.rows.size() < steps);
     chunk.reference_energy = in.get<double>().at(0);
     return chunk;
   }
@@ -168,7 +170,7 @@ Motion integrate(const SceneConfig& config, const Scene& scene, const Checkpoint
     const std::string name = chunk_name("motion", first);
     MotionChunk chunk;
     if (const auto kept = part.load(name)) {
-      chunk = MotionChunk::from(*kept);
+      chunk = MotionChunk::from(*kept, std::size_t(last - first), bodies);
       progress.add(chunk.rows.size(), false);
     } else {
       chunk = integrate_chunk(config, scene, states, reference_energy, seconds_spent, first, last, progress);

@@ -159,7 +159,7 @@ TargetSummary summarise(const std::vector<PassRow>& rows, const PassAnswers& ans
     ++out.passes;
     out.met += met;
     out.missed += met && !reported;
-    out.false_alarms += !met && reported;
+    out.false_positives += !met && reported;
     out.flicker += answers.flicker[p];
     if (met && reported) first.push_back(answers.first[p]);
   }

@@ -40,7 +40,7 @@ PassAnswers sampled_pass_answers(const std::vector<Pass>& passes, const Truth& t
 struct TargetSummary {
   std::uint64_t passes = 0, met = 0;            // how many, and how many of them truly meet
   std::uint64_t missed = 0;                     // truly meet and are never reported
-  std::uint64_t false_alarms = 0;               // never meet and are reported
+  std::uint64_t false_positives = 0;               // never meet and are reported
   std::uint64_t flicker = 0;                    // over all of them
   double median = 0, earliest = 0, latest = 0;  // of PassAnswers::first, m; NaN when there is none
 };

@@ -35,21 +35,27 @@ struct TruthChunk {
     }
     return out.bytes;
   }
-  static TruthChunk from(const std::string& bytes, bool has_gaps) {
+  static TruthChunk from(const std::string& bytes, std::size_t steps, std::size_t bodies, bool lists_contained,
+                         bool has_gaps) {
     ChunkReader in(bytes);
     TruthChunk chunk;
     chunk.hits.offset = in.get<std::uint64_t>();
     chunk.hits.pair = in.get<Pair>();
+    in.require(sound(chunk.hits, steps, bodies));
     chunk.contained.offset = in.get<std::uint64_t>();
     chunk.contained.pair = in.get<Pair>();
-    chunk.inside = in.get<std::uint32_t>();
-    chunk.time_ns = in.get<std::int64_t>();
+    in.require(sound(chunk.contained, lists_contained ? steps : 0, bodies));
+    chunk.inside = in.get<std::uint32_t>(chunk.contained.pair.size());
+    for (std::size_t i = 0; i < chunk.inside.size(); ++i)
+      in.require(chunk.inside[i] == chunk.contained.pair[i].a || chunk.inside[i] == chunk.contained.pair[i].b);
+    chunk.time_ns = in.get<std::int64_t>(steps);
     if (has_gaps) {
       chunk.gaps.emplace();
       chunk.gaps->pairs.offset = in.get<std::uint64_t>();
       chunk.gaps->pairs.pair = in.get<Pair>();
-      chunk.gaps->lower = in.get<double>();
-      chunk.gaps->upper = in.get<double>();
+      in.require(sound(chunk.gaps->pairs, steps, bodies));
+      chunk.gaps->lower = in.get<double>(chunk.gaps->pairs.pair.size());
+      chunk.gaps->upper = in.get<double>(chunk.gaps->pairs.pair.size());
     }
     return chunk;
   }
@@ -110,7 +116,8 @@ Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geome
   std::vector<std::size_t> open;
   for (std::size_t c = 0; c < chunks; ++c) {
     if (const auto kept = part.load(chunk_name("truth", std::int64_t(c) * kChunkSteps))) {
-      done[c] = TruthChunk::from(*kept, gap_margin.has_value());
+      const std::size_t steps = std::min<std::size_t>(kChunkSteps, poses.size() - c * kChunkSteps);
+      done[c] = TruthChunk::from(*kept, steps, bodies.size(), truth.lists_contained(), gap_margin.has_value());
       progress.add(done[c].time_ns.size(), false);
     } else {
       open.push_back(c);

@@ -1,5 +1,5 @@
-"""The report of a sweep: what it says of points is so, by hand-made sweeps whose answers are plain; few figures, whatever the
-number of points."""
+"""The report of a sweep: what it says of points is so, by hand-made sweeps whose answers are plain; few figures,
+whatever the number of points."""
 
 import json
 import re
@@ -19,17 +19,18 @@ from analysis.tables.statements import verdicts
 
 
 def row(label, error, time_us, missed=1):
-    return {"label": label, "algorithm": label, "knobs": "{}", "promise": "none", "scope": "pair", "operations_unit": "u", "hits": 10,
-            "true_positive": 5, "false_positive": 5, "false_negative": missed, "error": error, "precision": 0.5, "recall": 0.5,
-            "matthews": 0.1, "operations": 7, "time_mean_ns": time_us * 1e3, "time_median_ns": 1.0, "time_p95_ns": 2.0,
+    return {"label": label, "algorithm": label, "knobs": "{}", "promise": "none", "scope": "pair",
+            "operations_unit": "u", "hits": 10, "true_positive": 5, "false_positive": 5, "false_negative": missed,
+            "error": error, "precision": 0.5, "recall": 0.5, "matthews": 0.1, "operations": 7,
+            "time_mean_ns": time_us * 1e3, "time_median_ns": 1.0, "time_p95_ns": 2.0,
             "promise_kept": True}  # fmt: skip
 
 
 def point(parameters, rows, **more):
     name = ",".join(f"{key}={value}" for key, value in parameters.items())
-    return {"name": name, "parameters": parameters, "status": "done", "reason": "", "exit_code": 0, "host": "h", "processor": "P",
-            "build": "0123456789 Release", "began": 0.0, "wall_time_s": 1.0, "digest": name, "steps": 3, "bodies": 5, "truth_hits": 9,
-            "summary": rows} | more  # fmt: skip
+    return {"name": name, "parameters": parameters, "status": "done", "reason": "", "exit_code": 0, "host": "h",
+            "processor": "P", "build": "0123456789 Release", "began": 0.0, "wall_time_s": 1.0, "digest": name,
+            "steps": 3, "bodies": 5, "truth_hits": 9, "summary": rows} | more  # fmt: skip
 
 
 def sweep(*points_, title="Hand-made"):
@@ -44,7 +45,10 @@ def frame(*points_, folder="/nowhere"):
 
 # `sure` errs less than `shaky` everywhere and less than `middle` at three of four points; `middle` is always quickest.
 FOUR = [
-    point({"n": n, "seed": seed}, [row("sure", sure, 30 * n), row("middle", middle, 10), row("shaky", 0.9, 20 + 10 * n, missed=0)])
+    point(
+        {"n": n, "seed": seed},
+        [row("sure", sure, 30 * n), row("middle", middle, 10), row("shaky", 0.9, 20 + 10 * n, missed=0)],
+    )
     for n, seed, sure, middle in ((1, 1, 0.1, 0.4), (1, 2, 0.3, 0.4), (4, 1, 0.2, 0.5), (4, 2, 0.6, 0.5))
 ]
 
@@ -60,7 +64,11 @@ def test_what_holds_at_every_point_and_what_at_some():
 
 
 def test_equals_err_least_together():
-    (fact,) = [f for f in sweeps.facts(frame(point({"seed": 1}, [row("a", 0, 1), row("b", 0, 2), row("c", 1, 3)]))) if f.kind == "error"]
+    (fact,) = [
+        f
+        for f in sweeps.facts(frame(point({"seed": 1}, [row("a", 0, 1), row("b", 0, 2), row("c", 1, 3)])))
+        if f.kind == "error"
+    ]
     assert fact.text == "a and b err least"
 
 
@@ -83,8 +91,14 @@ def test_the_findings_say_it_in_numbers():
     text = " ".join(figures.findings(frame(*FOUR))[0].items)
     assert "4 of 4 points are done." in text
     assert "At every point: middle is the quickest; every promise is kept." in text
-    assert "Who errs less is the same at every point for 2 of 3 pairs of labels; the least sure: sure than middle at 3 of 4." in text
-    assert "From n 1 to 4 the error of sure changes most, 0.2 to 0.4; the time of sure grows most, 4-fold, that of middle least, 1-fold." in text
+    assert (
+        "Who errs less is the same at every point for 2 of 3 pairs of labels; "
+        "the least sure: sure than middle at 3 of 4." in text
+    )
+    assert (
+        "From n 1 to 4 the error of sure changes most, 0.2 to 0.4; the time of sure grows most, 4-fold, "
+        "that of middle least, 1-fold." in text
+    )
     assert "0.283 for sure, the greatest (0.4, from 0.2 to 0.6) at n 4." in text  # sd of 0.2 and 0.6
 
 
@@ -106,15 +120,22 @@ def test_there_are_as_many_figures_as_parameters_not_points():
 
 def test_a_curve_s_numbers_stand_below_it():
     error = next(figure for figure in parts(frame(*FOUR), Figure) if figure.key.startswith("sweep-n-error"))
-    assert error.table.loc["sure", "n 1"] == pytest.approx(0.2) and error.table.loc["sure", "± at 4"] == pytest.approx(np.sqrt(0.08))
-    assert error.title == "sure errs least at every n; from 1 to 4 that of sure changes most, 0.2 to 0.4"
+    assert error.table.loc["sure", "n 1"] == pytest.approx(0.2) and error.table.loc["sure", "± at 4"] == pytest.approx(
+        np.sqrt(0.08)
+    )
+    assert error.title == "sure errs least at every value of n; from 1 to 4 that of sure changes most, 0.2 to 0.4"
     time = next(figure for figure in parts(frame(*FOUR), Figure) if figure.key.startswith("sweep-n-time"))
-    assert time.title == "middle is the quickest at every n; from 1 to 4 that of sure grows most, 4-fold"
+    assert time.title == "middle is the quickest at every value of n; from 1 to 4 that of sure grows most, 4-fold"
     assert "means over 2 seeds" in error.caption
 
 
 def test_texts_are_a_parameter_too():
-    table = frame(*[point({"how": how}, [row("a", error, 1), row("b", 0.5, 2)]) for how, error in (("coarse", 0.4), ("fine", 0.6))])
+    table = frame(
+        *[
+            point({"how": how}, [row("a", error, 1), row("b", 0.5, 2)])
+            for how, error in (("coarse", 0.4), ("fine", 0.6))
+        ]
+    )
     (error, _) = parts(table, Figure)
     assert error.title.startswith("Which label errs least depends on how: a at coarse; b at fine")
 
@@ -154,16 +175,27 @@ def test_times_of_unlike_processors_are_drawn_apart_and_errors_together():
 
 def test_points_side_by_side_are_said():
     def at(began, host):
-        return point({"seed": len(host) * 100 + began}, [row("a", 0.1, 1)], began=float(began), wall_time_s=10.0, host=host)
+        return point(
+            {"seed": len(host) * 100 + began}, [row("a", 0.1, 1)], began=float(began), wall_time_s=10.0, host=host
+        )
 
     assert sweeps.side_by_side(frame(at(0, "x"), at(5, "x"), at(30, "x"), at(0, "yy"), at(11, "yy"))) == {"x": 2}
-    assert any("2 points ran while another did on the same machine (x)" in line for line in figures.warnings(frame(at(0, "x"), at(5, "x"))))
+    assert any(
+        "2 points ran while another did on the same machine (x)" in line
+        for line in figures.warnings(frame(at(0, "x"), at(5, "x")))
+    )
     assert not any("ran while" in line for line in figures.warnings(frame(at(0, "x"), at(11, "x"))))
 
 
 def test_seeds_that_draw_nothing_are_said():
-    alike = [point({"n": n, "seed": seed}, [row("a", 0.1, 1)], digest=f"{n}{seed if n == 2 else ''}") for n in (1, 2) for seed in (1, 2)]
-    assert "Different seeds gave one and the same result at n 1: there they draw nothing." in figures.warnings(frame(*alike))
+    alike = [
+        point({"n": n, "seed": seed}, [row("a", 0.1, 1)], digest=f"{n}{seed if n == 2 else ''}")
+        for n in (1, 2)
+        for seed in (1, 2)
+    ]
+    assert "Different seeds gave one and the same result at n 1: there they draw nothing." in figures.warnings(
+        frame(*alike)
+    )
 
 
 # ---- with results
@@ -186,7 +218,9 @@ def folder(small_file, tmp_path):
 def test_the_thesis_s_statements_are_judged_at_every_point(folder):
     table, lost = sweeps.statements(load_sweep(folder))
     run = load(folder / "points" / "seed=1.h5")
-    said = {f"{v.number}": v.verdict for v in verdicts({"box": scenes.timed(run)}) if v.verdict in ("confirmed", "refuted")}
+    said = {
+        f"{v.number}": v.verdict for v in verdicts({"box": scenes.timed(run)}) if v.verdict in ("confirmed", "refuted")
+    }
     assert len(said) >= 2 and list(table["no."]) == list(said) and lost == []
     for found in table.itertuples():
         assert (found.confirmed, found.refuted) == ((2, 0) if said[found[1]] == "confirmed" else (0, 2))
@@ -214,7 +248,12 @@ def test_a_sweep_beside_other_files_is_refused(folder, capsys):
 
 
 def test_what_is_damaged_is_one_line(folder, capsys):
-    for text in ("{", "[]", '{"points": 3}', '{"sweep": "s", "title": "t", "parameters": ["n"], "points": [{"name": "x"}]}'):
+    for text in (
+        "{",
+        "[]",
+        '{"points": 3}',
+        '{"sweep": "s", "title": "t", "parameters": ["n"], "points": [{"name": "x"}]}',
+    ):
         (folder / "sweep.json").write_text(text)
         assert main(["report", str(folder), "-o", str(folder / "page.html")]) == 4
         lines = capsys.readouterr().err.strip().splitlines()

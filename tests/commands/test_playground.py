@@ -108,12 +108,12 @@ def test_samples_of_a_pass_are_its_steps(result):
 
 def test_show_tells_early_from_late(pipeline, result):
     text = subprocess.run([pipeline, "show", result], check=True, capture_output=True, text=True).stdout
-    assert "first report" in text and "missed + invented" in text
+    assert "first report" in text and "missed + false positives" in text
     shown = subprocess.run([pipeline, "show", result, "--json"], check=True, capture_output=True, text=True).stdout
     rows = {(row["target"], row["algorithm"]): row for row in json.loads(shown)["passes"]}
     assert rows["cube", "bounding_sphere"]["first_median"] > 1
     assert rows["cube", "bounding_sphere"]["passes"] == rows["cube", "bounding_sphere"]["met"] == 2
-    assert rows["ring", "obb_sat"]["invented"] == 1
+    assert rows["ring", "obb_sat"]["false_positives"] == 1
     assert rows["ring", "obb_sat"]["first_median"] is None
 
 

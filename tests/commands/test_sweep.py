@@ -1,4 +1,4 @@
-"""Sweeps: names, tables, what is repeated, and what is said when something is wrong; every point a run of the program."""
+"""Sweeps: names, tables, what is repeated, and what is said when something is wrong."""
 
 import csv
 import itertools
@@ -70,10 +70,21 @@ def test_points_are_every_combination_the_last_fastest_and_named_by_their_parame
     path = written(folder, SMALL + "[grid]\nscene.segments = [4, 6]\nphysics.stiffness = [1e8, 2.5e7]\n")
     path.write_text("seeds = [7, 9]\n" + path.read_text())
     found = points(read(path))
-    assert [p.name for p in found][:3] == ["segments=4,stiffness=1e8,seed=7", "segments=4,stiffness=1e8,seed=9", "segments=4,stiffness=2.5e7,seed=7"]
+    assert [p.name for p in found][:3] == [
+        "segments=4,stiffness=1e8,seed=7",
+        "segments=4,stiffness=1e8,seed=9",
+        "segments=4,stiffness=2.5e7,seed=7",
+    ]
     assert len(found) == 8 == len({p.name for p in found})
     assert found[0].parameters == {"segments": 4, "stiffness": 1e8, "seed": 7}
-    assert found[0].sets == {"steps": "3", "scene.jitter": "0.05", "timing.repeats": "1", "scene.segments": "4", "physics.stiffness": "100000000.0", "seed": "7"}
+    assert found[0].sets == {
+        "steps": "3",
+        "scene.jitter": "0.05",
+        "timing.repeats": "1",
+        "scene.segments": "4",
+        "physics.stiffness": "100000000.0",
+        "seed": "7",
+    }
 
 
 def test_a_name_is_the_shortest_end_of_its_key_that_is_its_own(folder):
@@ -92,7 +103,26 @@ def test_keys_that_change_together_are_one_parameter_and_configurations_another(
 
 
 def test_different_parameters_never_get_one_name():
-    values = ["a", "a/b", "a-b", "a b", "ü", "", "x" * 70, "x" * 71, [1, 2], [[1], 2], [1, [2]], "á", 1, 2.5, True, "line\nend", "..", "a,b=c"]
+    values = [
+        "a",
+        "a/b",
+        "a-b",
+        "a b",
+        "ü",
+        "",
+        "x" * 70,
+        "x" * 71,
+        [1, 2],
+        [[1], 2],
+        [1, [2]],
+        "á",
+        1,
+        2.5,
+        True,
+        "line\nend",
+        "..",
+        "a,b=c",
+    ]
     names = [point_name({"v": value}) for value in values]
     assert len(set(names)) == len(values)
     long = [point_name({f"parameter{n}": 1.5 + last * (n == 19) for n in range(20)}) for last in (0, 1)]
@@ -101,8 +131,10 @@ def test_different_parameters_never_get_one_name():
         assert re.fullmatch(r"[A-Za-z0-9_.+=,~-]+", name) and len(name) <= plan.MOST_NAME, name
 
 
-@pytest.mark.parametrize("value, text", [(1e8, "1e8"), (0.001, "0.001"), (2.5e-7, "2.5e-7"), (100.0, "100"), (1 / 3, "0.3333333333333333"),
-                                         (1e300, "1e300"), (123456789.5, "123456789.5"), ([6, 6.5], "6x6.5"), (True, "true"), (7, "7")])  # fmt: skip
+@pytest.mark.parametrize("value, text", [
+    (1e8, "1e8"), (0.001, "0.001"), (2.5e-7, "2.5e-7"), (100.0, "100"), (1 / 3, "0.3333333333333333"), (1e300, "1e300"),
+    (123456789.5, "123456789.5"), ([6, 6.5], "6x6.5"), (True, "true"), (7, "7"),
+])  # fmt: skip
 def test_values_are_written_as_people_do_and_lose_nothing(value, text):
     assert value_text(value) == text
     if isinstance(value, float):
@@ -112,7 +144,7 @@ def test_values_are_written_as_people_do_and_lose_nothing(value, text):
 def test_values_reach_the_program_as_they_are():
     import tomllib
 
-    for value in [1, 1e8, "a \"quoted\" \\ text\n\x7f", [1, 2.5, "x"], True, {"a b": [1]}, 1e-300]:
+    for value in [1, 1e8, 'a "quoted" \\ text\n\x7f', [1, 2.5, "x"], True, {"a b": [1]}, 1e-300]:
         assert tomllib.loads(f"v = {toml(value)}")["v"] == value
 
 
@@ -178,7 +210,10 @@ def test_every_point_of_the_sweeps_that_come_along_is_a_run(path, pipeline):
     sweep_ = read(path)
     found = points(sweep_)
     assert 1 < len(found) <= 64
-    firsts = [list(group)[0] for _, group in itertools.groupby(found, lambda p: {k: v for k, v in p.parameters.items() if k != "seed"})]
+    firsts = [
+        list(group)[0]
+        for _, group in itertools.groupby(found, lambda p: {k: v for k, v in p.parameters.items() if k != "seed"})
+    ]
     for point in [*firsts[:1], *firsts[-1:], found[-1]]:  # the last one has the last seed
         sets = [word for key, value in (point.sets | {"steps": "2"}).items() for word in ("--set", f"{key}={value}")]
         done = subprocess.run([pipeline, "check", point.config, *sets, "--json"], capture_output=True, text=True)
@@ -210,7 +245,11 @@ def test_a_point_that_fails_is_a_row_with_its_reason_and_the_others_run(swept):
     assert list(found) == [f"segments={n},seed={s}" for n in (4, 6, 0) for s in (1, 2)]
     for name, point in found.items():
         if name.startswith("segments=0"):
-            assert point["status"] == "failed" and point["exit_code"] == INPUT and "'scene.segments' must be" in point["reason"]
+            assert (
+                point["status"] == "failed"
+                and point["exit_code"] == INPUT
+                and "'scene.segments' must be" in point["reason"]
+            )
             assert f"{name}: failed: " in done.stderr
         else:
             assert (point["status"], point["reason"], point["exit_code"]) == ("done", "", 0)
@@ -225,7 +264,15 @@ def test_every_file_is_that_of_the_plain_run(swept, pipeline, tmp_path):
     folder, _ = swept
     sets = ["steps=3", "scene.jitter=0.05", "timing.repeats=1", "scene.segments=6", "seed=2"]
     plain = tmp_path / "plain.h5"
-    command = [pipeline, "run", folder / "small.toml", "-o", plain, "--quiet", *(word for s in sets for word in ("--set", s))]
+    command = [
+        pipeline,
+        "run",
+        folder / "small.toml",
+        "-o",
+        plain,
+        "--quiet",
+        *(word for s in sets for word in ("--set", s)),
+    ]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     found = manifest(folder)
     assert load(plain).meta["digest"] == found["segments=6,seed=2"]["digest"]
@@ -364,7 +411,9 @@ def test_a_dry_run_says_what_would_run_and_leaves_nothing(copied):
     assert done.returncode == DONE and lines[-1].startswith("6 points, 3 are done, 3 would run: ")
     assert re.match(r"segments=4,seed=2  its result is missing or another  \d+ MiB  .* s to .* s$", lines[1]), lines[1]
     assert "fails: --set scene.segments=0" in lines[2]
-    assert {path: path.stat().st_mtime_ns for path in (copied / "out").rglob("*") if ".sweep" not in str(path)} == before
+    assert {
+        path: path.stat().st_mtime_ns for path in (copied / "out").rglob("*") if ".sweep" not in str(path)
+    } == before
     shutil.rmtree(copied / "out")
     assert sweep(copied, "--dry-run").returncode == DONE and not (copied / "out").exists()
 
@@ -374,15 +423,23 @@ def test_an_unknown_key_is_refused_before_anything_runs(folder):
     written(folder, SMALL + "[grid]\nscene.segmnts = [4, 6]\n")
     done = sweep(folder)
     assert done.returncode == INPUT
-    assert done.stderr.strip().splitlines()[-1] == f"{folder / 's.toml'}: scene.segmnts=4: unknown key 'scene.segmnts'; did you mean 'segments'?"
+    assert (
+        done.stderr.strip().splitlines()[-1]
+        == f"{folder / 's.toml'}: scene.segmnts=4: unknown key 'scene.segmnts'; did you mean 'segments'?"
+    )
     assert list((folder / "out" / "points").iterdir()) == []
 
 
 def test_the_folder_of_another_sweep_is_refused(copied):
     written(copied, (copied / "s.toml").read_text(), "t.toml")
     done = sweep(copied, name="t.toml")
-    assert done.returncode == FILE and "holds the sweep 's' over segments, seed, this is 't' over segments, seed" in one_line(done)
-    written(copied, (copied / "s.toml").read_text().replace("scene.segments = [4", "rate = [30, 60]\nscene.segments = [4"))
+    assert (
+        done.returncode == FILE
+        and "holds the sweep 's' over segments, seed, this is 't' over segments, seed" in one_line(done)
+    )
+    written(
+        copied, (copied / "s.toml").read_text().replace("scene.segments = [4", "rate = [30, 60]\nscene.segments = [4")
+    )
     done = sweep(copied)
     assert done.returncode == FILE and "this is 's' over rate, segments, seed" in one_line(done)
     shutil.rmtree(copied / "out")
@@ -405,7 +462,16 @@ def gated(folder):
     written(folder, "seeds = 2\n" + SMALL)
     (folder / "program").write_text(GATED.format(folder=folder, pipeline=PIPELINE))
     (folder / "program").chmod(0o755)
-    command = [ROOT / "scripts" / "sweep", folder / "s.toml", "-o", folder / "out", "--program", folder / "program", "-j", "2"]
+    command = [
+        ROOT / "scripts" / "sweep",
+        folder / "s.toml",
+        "-o",
+        folder / "out",
+        "--program",
+        folder / "program",
+        "-j",
+        "2",
+    ]
     process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     end = time.monotonic() + 100
     while not (folder / "pids").exists() or len((folder / "pids").read_text().split()) < 2:
@@ -471,7 +537,9 @@ def test_a_folder_that_cannot_be_written_is_one_line(folder):
     written(folder, SMALL)
     (folder / "file").write_text("")
     command = [ROOT / "scripts" / "sweep", folder / "s.toml", "-o", folder / "file" / "out"]
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, env=os.environ | {"PIPELINE": PIPELINE})
+    done = subprocess.run(
+        list(map(str, command)), capture_output=True, text=True, env=os.environ | {"PIPELINE": PIPELINE}
+    )
     assert done.returncode == FILE and str(folder / "file") in one_line(done)
 
 

@@ -8,6 +8,11 @@
 #include <map>
 #include <set>
 
+#include "geometry/meshes/shapes.hpp"
+#include "pipeline/config.hpp"
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/motion.hpp"
+#include "pipeline/stages/truth.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -351,4 +356,61 @@ TEST(ChunkReader, AllocatesNothingForWhatIsNotThere) {
   const std::string bytes(reinterpret_cast<const char*>(&count), sizeof count);
   ChunkReader reader(bytes);
   EXPECT_THROW(reader.get<double>(), std::logic_error);
+}
+
+// Chunks whose checksum holds although no run wrote them: the lists would be read beyond their ends.
+TEST(Checkpoint, TakesNoChunkOfAnotherSize) {
+  TemporaryFolder folder;
+  geometry::Bodies bodies;
+  bodies.meshes = {geometry::box("box", {1, 1, 1})};
+  bodies.name = {"a", "b"};
+  bodies.mesh = {0, 0};
+  bodies.fixed = {0, 0};
+  const std::vector<std::vector<geometry::Pose>> poses(3, std::vector<geometry::Pose>(2, geometry::Pose{{1, 0, 0, 0}}));
+  const auto truth_of = [&](const PairLists& hits, std::size_t times) {
+    ChunkWriter out;
+    out.put(hits.offset);
+    out.put(hits.pair);
+    out.put(std::vector<std::uint64_t>{0});
+    out.put(std::vector<Pair>{});
+    out.put(std::vector<std::uint32_t>{});
+    out.put(std::vector<std::int64_t>(times));
+    Checkpoint part(folder / "p", kKey, "title", 3, true);
+    part.save(chunk_name("truth", 0), out.bytes);
+    Progress progress("", 0, true);
+    return decide(bodies, poses, 1, part, progress);
+  };
+  EXPECT_EQ(truth_of({{0, 1, 1, 1}, {{0, 1}}}, 3).hits.pair.size(), 1u);
+  EXPECT_THROW(truth_of({{}, {}}, 3), std::logic_error);                           // no offset at all
+  EXPECT_THROW(truth_of({{0, 1, 1}, {{0, 1}}}, 3), std::logic_error);              // a step is missing
+  EXPECT_THROW(truth_of({{0, 1ull << 60, 1, 1}, {{0, 1}}}, 3), std::logic_error);  // beyond the pairs
+  EXPECT_THROW(truth_of({{0, 0, 0, 2}, {{0, 1}}}, 3), std::logic_error);           // more than there are
+  EXPECT_THROW(truth_of({{0, 1, 1, 1}, {{0, 2}}}, 3), std::logic_error);           // no such body
+  EXPECT_THROW(truth_of({{0, 2, 2, 2}, {{0, 1}, {0, 1}}}, 3), std::logic_error);   // twice
+  EXPECT_THROW(truth_of({{0, 1, 1, 1}, {{0, 1}}}, 4), std::logic_error);           // more times than steps
+}
+
+TEST(Checkpoint, TakesNoMotionOfAnotherSize) {
+  TemporaryFolder folder;
+  const Config config = parse_config("steps = 3\n[scene]\nkind = \"box\"\n[scene.births]\ncount = 2\n", "a.toml");
+  const Scene scene = make_scene(config);
+  const auto motion_of = [&](std::size_t samples, std::size_t rows, const std::string& failure) {
+    ChunkWriter out;
+    out.put(std::vector<BodyState>(samples));
+    out.put(std::vector<PhysicsSample>(rows));
+    out.put(failure);
+    out.put(std::vector<double>{0});
+    Checkpoint part(folder / "p", kKey, "title", 3, true);
+    part.save(chunk_name("motion", 0), out.bytes);
+    Progress progress("", 0, true);
+    return integrate(config, scene, part, progress);
+  };
+  const std::size_t bodies = scene.bodies.size();
+  EXPECT_EQ(motion_of(3 * bodies, 3, "").poses.size(), 3u);
+  EXPECT_EQ(motion_of(bodies, 1, "failed at step 1: energy").poses.size(), 3u);
+  EXPECT_THROW(motion_of(3 * bodies - 1, 3, ""), std::logic_error);
+  EXPECT_THROW(motion_of(0, 0, ""), std::logic_error);
+  EXPECT_THROW(motion_of(0, 3, ""), std::logic_error);
+  EXPECT_THROW(motion_of(4 * bodies, 4, ""), std::logic_error);
+  EXPECT_THROW(motion_of(3 * bodies, 3, "failed at step 3: energy"), std::logic_error);
 }

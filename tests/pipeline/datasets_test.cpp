@@ -53,7 +53,7 @@ TEST(Datasets, AreListedOnceAndSayWhenTheyAreThere) {
   EXPECT_EQ(facts(all, "/motion/position").shape, "S, B, 3");
   EXPECT_EQ(facts(all, "/motion/position").type, "float64");
   EXPECT_EQ(facts(all, "/summary/error").when, "a scene with algorithms");
-  EXPECT_EQ(facts(all, "/summary/contained_hit").when, "containment is recorded or counts");
+  EXPECT_EQ(facts(all, "/summary/contained_hit").when, "containment = \"record\"");
   EXPECT_EQ(facts(all, "/truth/gap_lower").when, "[truth] gap = true");
   EXPECT_EQ(facts(all, "/truth/gap_lower").shape, "E");
   EXPECT_EQ(facts(all, "/physics/energy").when, "the scene is integrated");

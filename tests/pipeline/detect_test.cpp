@@ -264,7 +264,7 @@ TEST(Detect, UnbornBodiesTakePartInNoPair) {
 }
 
 // What Method::answer must keep: an own broad phase that reports (b, a), strangers or a pair twice was scored as if it
-// had invented them.
+// had reported them falsely.
 TEST(Detect, RefusesHitsThatWereNotAskedAboutOnce) {
   using geometry::Pair;
   const std::vector<geometry::PairRun> runs = {{0, 1, 3}, {0, 4, 5}, {2, 3, 5}};

@@ -157,7 +157,7 @@ TEST(Passes, APassThatNeverMeetsHasNoPositionsButItsReportsAreCounted) {
   const TargetSummary ring = summarise(f.rows, g, "torus");
   EXPECT_EQ(ring.passes, 1u);
   EXPECT_EQ(ring.met, 0u);
-  EXPECT_EQ(ring.false_alarms, 1u);
+  EXPECT_EQ(ring.false_positives, 1u);
   EXPECT_TRUE(std::isnan(ring.median));
 }
 

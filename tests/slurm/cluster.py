@@ -63,14 +63,18 @@ def cluster(folder, nodes=2):
 
     def start(*command, **more):
         with open(folder / f"{pathlib.Path(command[0]).name}-{len(started)}.out", "wb") as out:
-            started.append(subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out, **more))
+            started.append(
+                subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out, **more)
+            )
 
     try:
         start_munge(folder / "munge", start)
         start("slurmctld", "-D")
         for name in names:
             start("slurmd", "-D", "-N", name)
-        until(lambda: states(environment) == dict.fromkeys(names, "IDLE"), 60, lambda: f"nodes are {states(environment)}")
+        until(
+            lambda: states(environment) == dict.fromkeys(names, "IDLE"), 60, lambda: f"nodes are {states(environment)}"
+        )
         yield environment
     finally:
         end_jobs(environment)
@@ -88,8 +92,8 @@ def cluster(folder, nodes=2):
 
 
 def strays(configuration):
-    """Ids of this cluster's processes that are left: of a job whose node went down proctrack/linuxproc loses some, where
-    a real cluster has control groups."""
+    """Ids of this cluster's processes that are left: of a job whose node went down proctrack/linuxproc loses some,
+    where a real cluster has control groups."""
     wanted, found = f"SLURM_CONF={configuration}".encode(), []
     for path in pathlib.Path("/proc").glob("[0-9]*/environ"):
         with contextlib.suppress(OSError):

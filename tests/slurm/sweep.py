@@ -30,7 +30,15 @@ POINTS, INVALID = [f"segments={n}" for n in (3, 4, 5, 6, 7, 0)], "segments=0"
 
 
 def sweep(folder, *options, environment=None):
-    command = [ROOT / "scripts" / "sweep", folder.parent / "six.toml", "-o", folder, "--program", folder.parent / "program", *options]
+    command = [
+        ROOT / "scripts" / "sweep",
+        folder.parent / "six.toml",
+        "-o",
+        folder,
+        "--program",
+        folder.parent / "program",
+        *options,
+    ]
     with open(folder.parent / f"{folder.name}.err", "w") as err:
         process = subprocess.Popen(list(map(str, command)), env=environment, stdout=subprocess.DEVNULL, stderr=err)
     STARTED.append(process)
