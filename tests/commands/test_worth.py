@@ -16,7 +16,6 @@ from analysis.load import load
 from analysis.tables import intervals
 
 SMOKE = ROOT / "configs" / "smoke.toml"
-LABELS = ["bounding_sphere", "aabb"]
 STEPS = 300  # six blocks
 
 
@@ -105,16 +104,16 @@ def test_processor_time_stands_beside_wall_time(noisy):
 def test_a_disturbed_run_and_a_mean_above_its_percentile_are_said(noisy, tmp_path):
     path = shutil.copy(noisy, tmp_path / "copy.h5")
     with edited(path) as file:
-        first = list(file["algorithm"].asstr()).index("aabb")
+        first = list(file["algorithm"].asstr()).index("obb_sat")
         file["summary/processor_mean_ns"][first] = file["summary/time_mean_ns"][first] / 1.05
         file["summary/time_p95_ns"][first] = file["summary/time_mean_ns"][first] / 2
     shown = pipeline("show", path).stdout
-    assert re.search(r"DISTURBED: the wall time is above the processor's own, of .*aabb by 5\.0 %", shown)
-    assert re.search(r"the mean time lies above its 95th percentile, of .*aabb", shown)
+    assert re.search(r"DISTURBED: the wall time is above the processor's own, of .*obb_sat by 5\.0 %", shown)
+    assert re.search(r"the mean time lies above its 95th percentile, of .*obb_sat", shown)
     from analysis.report.report import doubtful_times
 
     words = " ".join(doubtful_times(load(path)))
-    assert "aabb by 5 %" in words and re.search(r"the mean time of .*aabb.* lies above its 95th percentile", words)
+    assert "obb_sat by 5 %" in words and re.search(r"the mean time of .*obb_sat.* lies above its 95th percentile", words)
 
 
 def test_a_pinned_run_says_which_processor_it_got(tmp_path):
@@ -161,7 +160,7 @@ def test_older_results_are_read_and_get_what_they_lack_when_timed_again(noisy, t
     assert "setup_ns" not in load(path).summary
     assert pipeline("detect", path, "--algorithm", "aabb@again", "--quiet").returncode == DONE
     table = load(path).summary
-    assert table.setup_ns["again"] > 0 and np.isnan(table.setup_ns["aabb"])
+    assert table.setup_ns["again"] > 0 and np.isnan(table.setup_ns["obb_sat"])
 
 
 def test_a_resumed_run_keeps_what_it_measured(tmp_path):
@@ -191,13 +190,13 @@ def test_a_resumed_run_keeps_what_it_measured(tmp_path):
 def test_score_shows_costs_and_never_fails_by_them(noisy, tmp_path):
     base = tmp_path / "base.json"
     assert pipeline("score", noisy, "--against", base, "--write", "--times").returncode == DONE
-    recorded = json.loads(base.read_text())["algorithms"]["aabb"]
+    recorded = json.loads(base.read_text())["algorithms"]["obb_sat"]
     assert {"time_ratio", "setup_ratio", "memory_bytes"} <= set(recorded)
     text = json.loads(base.read_text())
-    text["algorithms"]["aabb"]["memory_bytes"] /= 2
+    text["algorithms"]["obb_sat"]["memory_bytes"] /= 2
     base.write_text(json.dumps(text))
     scored = pipeline("score", noisy, "--against", base, "--times")
     assert scored.returncode == DONE, scored.stdout
-    assert re.search(r"aabb: time .*, set-up x 1\.00, memory x 2\.00", scored.stdout)
+    assert re.search(r"obb_sat: time .*, set-up x 1\.00, memory x 2\.00", scored.stdout)
     found = json.loads(pipeline("score", noisy, "--against", base, "--times", "--json").stdout)["times"]
-    assert next(one for one in found if one["label"] == "aabb")["memory_factor"] == pytest.approx(2, rel=0.01)
+    assert next(one for one in found if one["label"] == "obb_sat")["memory_factor"] == pytest.approx(2, rel=0.01)
