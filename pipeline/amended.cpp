@@ -1,8 +1,10 @@
 #include "pipeline/amended.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "pipeline/result/product.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/summary.hpp"
@@ -24,14 +26,15 @@ fs::path real_path(const fs::path& file, bool unsealed) {
 }  // namespace
 
 Amended::Amended(const fs::path& file, bool unsealed)
-    : file(file), target(real_path(file, unsealed), Existing::update), result(read_result(file, unsealed)) {
+    : file(file),
+      target(real_path(file, unsealed), Existing::update),
+      result(read_result(real_path(file, unsealed), unsealed)) {
   if (!result.foreign.empty())
     throw Error(
         kFile, file.string() + ": holds '" + one_line(result.foreign.front()) +
                    "', which is not this program's and would be lost; take it out first, or work on a copy without it");
-  if (result.study)
-    throw Error(kFile,
-                file.string() + ": is a study of the integrators, without poses to answer; name a result of a scene");
+  if (const Product* product = stands_alone(result))
+    throw Error(kFile, file.string() + ": is " + product->what + ", without poses to answer; name a result of a scene");
 }
 
 std::size_t Amended::place_of(const std::string& label) const {
@@ -45,30 +48,39 @@ void Amended::refuse_label(const std::string& label, const std::string& option) 
                            "' already; --force replaces them, or give another label with " + option);
 }
 
-std::vector<Pass> Amended::passes(const Config& config) const {
+std::vector<Pass> Amended::passes(const Config& config, const std::vector<PassRow>& rows) const {
   std::vector<Pass> passes = config.scene_kind->make(config).passes;
   const auto same = [&](const Pass& pass, const PassRow& row) {
     return std::uint64_t(pass.first_step) == row.first_step && std::uint64_t(pass.samples) == row.samples &&
            row.samples <= result.steps() && row.first_step <= result.steps() - row.samples;
   };
-  if (!std::ranges::equal(passes, result.passes->rows, same))
+  if (!std::ranges::equal(passes, rows, same))
     throw Error(kFile, file.string() + ": its passes are not those of its configuration; run again with --force");
   return passes;
 }
 
-void Amended::put(Answers answers, std::optional<PassAnswers> passes, std::optional<ExtremeAnswers> cases) {
+void Amended::put(Answers answers, Products& products_of_them, std::size_t i) {
   if (!pairs_) pairs_ = judged_pairs(result);
   const std::size_t at = place_of(answers.label);
   if (at == result.answers.size()) {
     result.answers.emplace_back();
     result.summary.emplace_back();
-    if (result.passes) result.passes->answers.emplace_back();
-    if (result.extremes) result.extremes->answers.emplace_back();
   }
-  if (passes) result.passes->answers[at] = std::move(*passes);
-  if (cases) result.extremes->answers[at] = std::move(*cases);
+  for (const Product& product : products())
+    if (product.take && product.has(result)) product.take(products_of_them, i, result.products, at);
   result.summary[at] = summarise(answers, *pairs_);
   result.answers[at] = std::move(answers);
+}
+
+void Amended::add_inputs(const std::string& files) {
+  nlohmann::json inputs = nlohmann::json::parse(result.provenance.inputs_sha256);
+  inputs.update(nlohmann::json::parse(files));
+  result.provenance.inputs_sha256 = inputs.dump();
+}
+
+void make_products(Result& result) {
+  for (const Product& product : products())
+    if (product.make) product.make(result);
 }
 
 }  // namespace pipeline

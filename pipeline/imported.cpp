@@ -9,6 +9,8 @@
 #include "pipeline/amended.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/result/columns.hpp"
+#include "pipeline/result/products/extremes.hpp"
+#include "pipeline/result/products/passes.hpp"
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/answers_csv.hpp"
@@ -51,7 +53,7 @@ Result import_answers(const fs::path& file, const ImportOptions& options) {
   const Csv times = options.times.empty() ? Csv{} : read(options.times, "times, step,ns");
   Amended amended(file, options.unsealed);
   Result& result = amended.result;
-  if (result.extremes)
+  if (result.products.find<Extremes>())
     throw Error(kFile, file.string() +
                            ": is of extremes, whose cases are also asked in the other order and moved, which a "
                            "list of answers does not tell; name a result of another scene");
@@ -81,11 +83,15 @@ Result import_answers(const fs::path& file, const ImportOptions& options) {
   answers.prepare_ns.assign(steps, 0);
   for (std::size_t step = 0; step < steps; ++step) judge(lists.at(step), result.truth, step, answers);
 
-  std::optional<PassAnswers> passes;
-  if (result.passes)
-    passes = sampled_pass_answers(amended.passes(recorded_config(result.config_effective, file.string())), result.truth,
-                                  result.passes->rows, answers);
-  amended.put(std::move(answers), std::move(passes), std::nullopt);
+  Products products;
+  if (const Passes* before = result.products.find<Passes>()) {
+    const std::vector<Pass> passes =
+        amended.passes(recorded_config(result.config_effective, file.string()), before->rows);
+    products.put(Passes{.rows = {}, .answers = {sampled_pass_answers(passes, result.truth, before->rows, answers)}});
+  }
+  amended.add_inputs(facts.files);
+  amended.put(std::move(answers), products, 0);
+  make_products(result);
   write_result(result, amended.target);
   return std::move(result);
 }

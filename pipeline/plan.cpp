@@ -9,7 +9,6 @@
 #include "pipeline/result/checkpoint.hpp"
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/scene/scene.hpp"
-#include "pipeline/stages/passes.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/study/study.hpp"
 #include "pipeline/system/threads.hpp"
@@ -39,17 +38,12 @@ constexpr double kGrown = 1.5;          // a vector that grew, on average
 
 constexpr double kObject = 1900;                // a group or dataset with its attributes
 constexpr double kName = 150;                   // a body's names
-constexpr double kPassTexts = 160;              // of a pass
-constexpr double kCaseTexts = 62;               // of a case of extremes
 constexpr double kChanged = 6.6, kKept = 0.09;  // a coordinate that changed since the step before, or did not
 constexpr double kChangedRow = 4;               // a step at which any did
-constexpr double kIntegratedStep = 36;          // a step's physics, truth and time
-constexpr double kStep = 4;                     // without physics
+constexpr double kStep = 4;                     // a step's truth and time
 constexpr double kAnswer = 10, kScripted = 4;   // a step of an algorithm: times, operations, counts
 constexpr double kHit = 0.33;                   // a reported pair
 constexpr double kMeshes = 0.4;                 // of a mesh larger than a few KiB, else all of it
-constexpr double kPassAnswer = 9;               // a pass of an algorithm
-constexpr double kStudy = 36000, kCase = 500;   // a study, and each of its cases
 
 /// What the poses of a run are: coordinates that change from a step to the next, steps at which any do, and bodies
 /// that are there, over all steps. About as many pairs are reported as bodies that move are there.
@@ -98,21 +92,30 @@ double motion_values(const Config& config, const Plan& plan) {
   return 7.0 * double(config.steps) * double(plan.bodies);
 }
 
+Cost cost_of_products(const Plan& plan, const Extent& extent) {
+  Cost all;
+  for (const Product& product : products()) {
+    if (!product.cost) continue;
+    const Cost cost = product.cost(plan.asked, extent);
+    all.objects += cost.objects;
+    all.bytes += cost.bytes;
+  }
+  return all;
+}
+
 double file_bytes(const Config& config, const SceneSize& size, const Plan& plan, const Poses& poses) {
   const double steps = double(config.steps), labels = double(config.algorithms.size());
   const bool integrated = config.scene_kind->integrated;
-  double objects = 50 + 4 * labels + 7 * double(plan.meshes) + (integrated ? 10 : 0) + (plan.passes ? 15 : 0) +
-                   (plan.case_sets ? 17 : 0) + (config.gap_margin ? 5 : 0);
+  const Extent extent{.steps = steps, .labels = labels, .moving = poses.moving};
+  const Cost products = cost_of_products(plan, extent);
+  const double objects = 50 + 4 * labels + 7 * double(plan.meshes) + products.objects;
   double bytes = kObject * objects + kName * double(plan.bodies) + 2 * double(config.text.size());
   bytes += kChanged * poses.changed + kChangedRow * poses.rows + kKept * (motion_values(config, plan) - poses.changed);
-  bytes += steps * (integrated ? kIntegratedStep : kStep) + steps * labels * (integrated ? kAnswer : kScripted);
+  bytes += steps * kStep + steps * labels * (integrated ? kAnswer : kScripted);
   bytes += kHit * poses.moving * (1 + labels);
-  if (config.gap_margin) bytes += 12 * poses.moving;  // two reals a pair, about a pair a body
   const double meshes = 24 * double(size.mesh_vertices) + 12 * double(size.mesh_triangles);
   bytes += meshes > 8192 * double(plan.meshes) ? kMeshes * meshes : meshes;
-  bytes += double(plan.passes) * (kPassTexts + kPassAnswer * labels);
-  if (plan.case_sets) bytes += steps * kCaseTexts;
-  return bytes;
+  return bytes + products.bytes;
 }
 
 /// The greatest of what the stages need, one after the other.
@@ -144,7 +147,7 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   double held = 0, methods = 0;  // set up one after another; of extremes one is there at a time
   for (const LabelPlan& label : plan.labels) {
     methods = std::max(methods, held + double(label.memory.greatest));
-    if (!plan.case_sets) held += double(label.memory.held);
+    if (!plan.count("case_sets")) held += double(label.memory.held);
   }
   methods = std::max(methods, held);
   // A chunk of answers while it is written: it grows as a text.
@@ -153,7 +156,7 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
 
   // The motion is laid out first: both forms of it twice. Then the columns, the image of the file and its copy; at the
   // end the file is read back.
-  const double columns = labels * steps * 88 + (plan.case_sets ? steps * (100 + 3 * labels) : 0);
+  const double columns = labels * steps * 88 + (plan.count("case_sets") ? steps * (100 + 3 * labels) : 0);
   const double laying = result + kHdf5 + 2 * motion;
   const double file = double(plan.file_bytes);
   const double writing =
@@ -162,7 +165,7 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
 }
 
 algorithms::Memory memory_of(const AlgorithmChoice& choice, const geometry::Bodies& bodies) {
-  return algorithms::memory(*algorithms::find(choice.name), bodies, choice.knobs);
+  return algorithms::memory(row_of(choice), bodies, choice.knobs);
 }
 
 std::vector<LabelPlan> labels_of(const geometry::Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
@@ -204,8 +207,10 @@ void count_alone(const Config& config, const std::vector<geometry::Bodies>& pair
 Plan sizes(const Config& config, const SceneSize& size) {
   Plan plan{.bodies = size.bodies, .meshes = size.meshes, .triangles = size.mesh_triangles};
   plan.pairs = size.pairs.value_or(size.bodies * (size.bodies - 1) / 2);
-  plan.passes = size.passes;
-  plan.case_sets = size.case_sets;
+  for (const auto& [key, count] : size.asked) plan.asked[key] = count;
+  if (config.gap_margin) plan.asked["gap_margin"] = *config.gap_margin;
+  if (config.scene_kind->integrated)
+    plan.asked["physics"] = {{"integrator", config.physics.integrator}, {"accuracy", config.physics.accuracy}};
   plan.restarts = double((config.steps + kChunkSteps - 1) / kChunkSteps);
   if (config.scene_kind->events)
     for (const Ahead& event : config.scene_kind->ahead(config))
@@ -225,10 +230,18 @@ void add_bytes(const Config& config, const SceneSize& size, const Poses& poses, 
 
 Plan plan(const Config& config) {
   if (config.study) {
-    const std::uint64_t cases = study_cases(*config.study).size();
+    const Study& study = *config.study;
+    const std::uint64_t cases = study_cases(study).size();
     Plan plan;
-    plan.cases = cases;
-    plan.file_bytes = std::uint64_t(kStudy + kCase * double(cases));
+    plan.asked = {
+        {"study", "integration"},
+        {"cases", cases},
+        {"every", study.every},
+        {"budget", {{"force_evaluations", study.force_evaluations}, {"processor_time", study.processor_time}}},
+        {"sweeps", OrderedJson::array()}};
+    for (const Sweep& s : study.sweeps)
+      plan.asked["sweeps"].push_back({{"name", s.name}, {"problem", s.problem}, {"integrators", s.integrators.size()}});
+    plan.file_bytes = std::uint64_t(cost_of_products(plan, {}).bytes);
     plan.result_bytes = cases * sizeof(StudyRow);
     plan.memory_bytes = std::uint64_t(kProgram + kHdf5 + kImage) + 3 * plan.result_bytes;
     return plan;
@@ -237,9 +250,9 @@ Plan plan(const Config& config) {
   Plan plan = sizes(config, size);
   Poses poses{.rows = double(config.steps)};
   if (config.scene_kind->integrated) poses = foreseen_poses(config, size);
-  if (plan.case_sets) {
+  if (const std::uint64_t sets = plan.count("case_sets")) {
     // At a step one of two bodies moves along an axis; a set begins with two others.
-    poses.changed = double(config.steps) + 14 * double(plan.case_sets);
+    poses.changed = double(config.steps) + 14 * double(sets);
     poses.moving = double(config.steps);
     count_alone(config, size.alone, plan);
   }
@@ -278,6 +291,32 @@ std::string largest_text(const Plan& plan) {
          ": sampling fewer facets takes less)";
 }
 
+/// What a method of others is, and what it says of itself where it was asked.
+std::string foreign_text(const AlgorithmChoice& choice, const Plan& plan) {
+  if (!choice.foreign) return "";
+  const Foreign& foreign = *choice.foreign;
+  std::string text = "            a " + foreign.transport;
+  if (!foreign.command.words.empty()) text += ": " + text_of(foreign.command);
+  if (const auto found = plan.abouts.find(choice.label); found != plan.abouts.end()) {
+    const About& about = found->second;
+    text += "; " + about.name + (about.version.empty() ? "" : " " + about.version) +
+            (about.language.empty() ? "" : ", " + about.language) + ", " + about.precision + " precision, promise " +
+            std::string(algorithms::text(about.promise)) + ", scope " + std::string(algorithms::text(about.scope));
+  }
+  return text + print("\n            at most %g s a step, %g s in all, %s; how long it takes is not foreseen\n",
+                      foreign.budget.step, foreign.budget.all, mebibytes_text(foreign.budget.memory).c_str());
+}
+
+Json foreign_json(const AlgorithmChoice& choice, const Plan& plan) {
+  const Foreign& foreign = *choice.foreign;
+  Json json = {{"transport", foreign.transport},    {"command", foreign.command.words},
+               {"files_sha256", foreign.files},     {"step_budget", foreign.budget.step},
+               {"time_budget", foreign.budget.all}, {"memory_budget", foreign.budget.memory >> 20}};
+  if (const auto found = plan.abouts.find(choice.label); found != plan.abouts.end())
+    json["says"] = Json::parse(text_of(found->second));
+  return json;
+}
+
 }  // namespace
 
 void refuse_if_too_large(const Plan& plan, const std::filesystem::path& output) {
@@ -297,17 +336,12 @@ std::string plan_text(const Config& config, const Plan& plan, const Seconds& tim
                             (time.most < 1 ? "less than a second"
                                            : "about " + duration_text(time.least) + " to " + duration_text(time.most)) +
                             ", " + bytes_text(plan.memory_bytes) + " of memory\n";
-  if (config.study) {
-    const Study& study = *config.study;
-    std::string text = config.title + "\n";
-    for (const Sweep& s : study.sweeps)
-      text += "sweep       " + s.name + ": " + s.problem + print(", %zu integrators\n", s.integrators.size());
-    text += print("cases       %llu%s, each in a process of its own\n", static_cast<unsigned long long>(plan.cases),
-                  study.every > 1 ? print(", one of every %lld", static_cast<long long>(study.every)).c_str() : "");
-    text += print("budget      %lld force evaluations and %g s of processor time for each case\n",
-                  static_cast<long long>(study.force_evaluations), study.processor_time);
-    return text + takes + "output      " + output + ", about " + bytes_text(plan.file_bytes) + "\n";
-  }
+  const std::string output_line = "output      " + output + ", about " + bytes_text(plan.file_bytes) + "\n";
+  std::string of_products;
+  for (const Product& product : products())
+    if (product.plan && (product.place == Product::Place::alone) == config.study.has_value())
+      of_products += product.plan(plan.asked);
+  if (config.study) return config.title + "\n" + of_products + takes + output_line;
   std::string text = config.title + "\n";
   text += "scene       " + config.scene_kind->name;
   text += print(": %llu bodies, %llu pairs a step, %llu distinct meshes with %llu triangles\n",
@@ -324,12 +358,6 @@ std::string plan_text(const Config& config, const Plan& plan, const Seconds& tim
     text += std::string("            ") + (gravity ? "gravity" : "no gravity force is made") + ", " +
             (damping ? "damping" : "no damping") + "\n";
   }
-  if (plan.passes > 0)
-    text += print("passes      %llu, early or late found by bisection: truth to %g m, algorithms to %g m\n",
-                  static_cast<unsigned long long>(plan.passes), kTruthTolerance, kAlgorithmTolerance);
-  if (plan.case_sets > 0)
-    text += print("cases       %llu sets of gaps, each answered as two bodies alone, in both orders and moved\n",
-                  static_cast<unsigned long long>(plan.case_sets));
   text += "truth       exact, by surface; ";
   switch (config.containment) {
     case Containment::ignore:
@@ -342,19 +370,15 @@ std::string plan_text(const Config& config, const Plan& plan, const Seconds& tim
       text += "bodies wholly inside others are listed and count as meeting\n";
       break;
   }
-  text += "gaps        ";
-  text += config.gap_margin
-              ? print("a lower and an upper bound on the distance of pairs within %g m that do not meet\n",
-                      *config.gap_margin)
-              : "not asked for, so no distance is computed\n";
+  text += of_products;
   const bool facets = std::ranges::any_of(config.algorithms, [](const AlgorithmChoice& choice) {
-    return algorithms::samples_facets(*algorithms::find(choice.name), choice.knobs);
+    return algorithms::samples_facets(row_of(choice), choice.knobs);
   });
   if (!facets) text += "facets      no chosen algorithm samples them, so no facet points are computed\n";
   for (const auto& [file, hash] : config.inputs) text += "input       " + file + "\n";
   for (const AlgorithmChoice& choice : config.algorithms)
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
-            knobs_json(choice.knobs) + "\n";
+            knobs_json(choice.knobs) + "\n" + foreign_text(choice, plan);
   text += print("timing      %lld repeats", static_cast<long long>(config.repeats));
   if (config.noise && !config.algorithms.empty())
     text += ", " + config.algorithms.front().label + " a second time for the noise floor";
@@ -363,46 +387,36 @@ std::string plan_text(const Config& config, const Plan& plan, const Seconds& tim
   for (const LabelPlan& label : plan.labels)
     if (label.memory.greatest > std::uint64_t(16 * kMiB) && 10 * label.memory.greatest > plan.memory_bytes)
       text += "            " + label.label + " alone about " + bytes_text(label.memory.greatest) + "\n";
-  return text + takes + "output      " + output + ", about " + bytes_text(plan.file_bytes) + "\n";
+  return text + takes + output_line;
 }
 
 std::string plan_json(const Config& config, const Plan& plan, const Seconds& time, const std::string& output) {
-  if (config.study)
-    return dumped(Json{{"title", config.title},
-                       {"study", "integration"},
-                       {"cases", plan.cases},
-                       {"output", output},
-                       {"file_bytes", plan.file_bytes},
-                       {"memory_bytes", plan.memory_bytes},
-                       {"seconds", {time.least, time.most}},
-                       {"effective", config.effective}});
   Json json = {{"title", config.title},
-               {"scene", config.scene_kind->name},
-               {"steps", config.steps},
-               {"rate", config.rate},
-               {"bodies", plan.bodies},
-               {"pairs", plan.pairs},
-               {"meshes", plan.meshes},
-               {"triangles", plan.triangles},
-               {"repeats", config.repeats},
                {"output", output},
                {"file_bytes", plan.file_bytes},
                {"memory_bytes", plan.memory_bytes},
                {"seconds", {time.least, time.most}}};
-  if (plan.passes > 0) json["passes"] = plan.passes;
-  if (plan.case_sets > 0) json["case_sets"] = plan.case_sets;
+  json.update(plan.asked);
+  json["effective"] = config.effective;
+  if (config.study) return dumped(json);
+  json.update(Json{{"scene", config.scene_kind->name},
+                   {"steps", config.steps},
+                   {"rate", config.rate},
+                   {"bodies", plan.bodies},
+                   {"pairs", plan.pairs},
+                   {"meshes", plan.meshes},
+                   {"triangles", plan.triangles},
+                   {"repeats", config.repeats}});
   json["containment"] = text_of(config.containment);
-  if (config.gap_margin) json["gap_margin"] = *config.gap_margin;
   json["inputs_sha256"] = config.inputs;
-  if (config.scene_kind->integrated)
-    json["physics"] = {{"integrator", config.physics.integrator}, {"accuracy", config.physics.accuracy}};
   json["algorithms"] = Json::array();
   for (const AlgorithmChoice& choice : config.algorithms)
     json["algorithms"].push_back(
         {{"label", choice.label}, {"name", choice.name}, {"knobs", Json::parse(knobs_json(choice.knobs))}});
+  for (const AlgorithmChoice& choice : config.algorithms)
+    if (choice.foreign) json["foreign"][choice.label] = foreign_json(choice, plan);
   for (std::size_t i = 0; i < plan.labels.size(); ++i)
     json["algorithms"][i]["memory_bytes"] = plan.labels[i].memory.greatest;
-  json["effective"] = config.effective;
   return dumped(json);
 }
 

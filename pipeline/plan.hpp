@@ -2,10 +2,13 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "pipeline/config.hpp"
+#include "pipeline/result/product.hpp"
 
 namespace pipeline {
 
@@ -20,13 +23,18 @@ struct LabelPlan {
 
 /// Bytes are estimates, meant to be right within a factor of 1.5: tests/commands/test_estimates.py runs and compares.
 struct Plan {
-  std::uint64_t bodies = 0, meshes = 0, triangles = 0, pairs = 0, passes = 0, case_sets = 0;
-  std::uint64_t cases = 0;  // of a study, which has nothing of the above
+  std::uint64_t bodies = 0, meshes = 0, triangles = 0, pairs = 0;
+  OrderedJson asked = OrderedJson::object();  // of products, as their rows read it (pipeline/result/product.hpp)
   std::uint64_t file_bytes = 0, memory_bytes = 0;
   std::uint64_t result_bytes = 0;      // of the result in memory: what is written, before deflate
   std::vector<LabelPlan> labels = {};  // of the algorithms, in their order; of extremes what two bodies take at most
+  std::map<std::string, About> abouts =
+      {};                  // by label, what methods of others say of themselves, where they were asked
   double alone_bytes = 0;  // of extremes: what all methods together take of two bodies, the mean over meshes
   double restarts = 0;     // of the integrator
+
+  /// How many passes, case_sets, cases of a study, …
+  std::uint64_t count(const char* key) const { return asked.value(key, std::uint64_t{0}); }
 };
 
 /// Of the scene, once it is made. `threads` of the truth stage. Throws Error(kInput) that names the label whose knobs

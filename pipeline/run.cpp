@@ -11,6 +11,8 @@
 #include "pipeline/amended.hpp"
 #include "pipeline/plan.hpp"
 #include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/product.hpp"
+#include "pipeline/result/products/noise.hpp"
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/scene.hpp"
@@ -64,7 +66,7 @@ void describe(Result& result, const Config& config, Provenance from, std::chrono
 /// The noise floor, from the answers of the first label and of the same once more.
 Noise noise_of(const Answers& first, const Answers& again) {
   const Interval ratio = ratio_interval(again.time_ns, first.time_ns);
-  return {first.label, again.time_ns, ratio.value, ratio.low, ratio.high};
+  return {first.label, ratio.value, ratio.low, ratio.high, again.time_ns};
 }
 
 /// What algorithms answer about the motion and truth of `result`, timed as `config` says; of extremes, which have
@@ -87,7 +89,11 @@ ExtremesDetected answered(Result& result, const std::vector<CaseSet>& sets, cons
   std::vector<Answers> answers =
       detect(result.bodies, result.motion, result.truth, choices, config.repeats, here, part, progress, noise);
   if (noise) {
-    result.noise = noise_of(answers.front(), answers.back());
+    // A method of others that failed has no times to be compared.
+    if (!failed(answers.front()) && !failed(answers.back()))
+      result.products.put(noise_of(answers.front(), answers.back()));
+    else
+      result.products.drop<Noise>();
     answers.pop_back();
   }
   return {std::move(answers), {}};
@@ -111,14 +117,14 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
   const std::vector<StudyRow> cases = study_cases(*config.study);
   OutputFile target(output, options.force ? Existing::replace : Existing::refuse);
   Checkpoint part(part_path, checkpoint_key(config, from), config.title, std::int64_t(cases.size()), options.force,
-                  true);
+                  "study");
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   // More would be short of processor, and its budget of wall time could decide.
   const int processes = std::min(thread_count(options.threads), thread_count(0));
   Result result;
   {
     Progress progress("cases", cases.size(), options.quiet, nullptr, "case");
-    result.study = study_rows(*config.study, cases, processes, part, progress);
+    result.products.put(study_rows(*config.study, cases, processes, part, progress));
   }
   describe(result, config, std::move(from), start);
   part.mark_complete();
@@ -131,6 +137,7 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
 void refuse_own_input(const Config& config, const fs::path& output) {
   std::vector<fs::path> read = {config.path};
   for (const auto& [file, hash] : config.inputs) read.push_back(config.path.parent_path() / file);
+  for (const Plugin& plugin : config.plugins) read.push_back(plugin.path);
   for (const fs::path& file : read)
     if (std::error_code none; fs::equivalent(file, output, none))
       throw Error(kFile, output.string() + ": is read by this run; choose another -o");
@@ -196,7 +203,7 @@ Result run(const Config& config, const RunOptions& options) {
         throw;
       }
       result.motion = std::move(motion.poses);
-      result.physics = std::move(motion.physics);
+      result.products.put(std::move(motion.physics));
     } else {
       result.motion = std::move(scene.script);
       progress.add(steps);
@@ -212,13 +219,15 @@ Result run(const Config& config, const RunOptions& options) {
   give_back();
   if (!scene.case_sets.empty()) {
     Progress progress("cases", steps, options.quiet, &forecast, "case");
-    result.extremes.emplace().rows =
+    Extremes extremes;
+    extremes.rows =
         extreme_rows(result.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
+    result.products.put(std::move(extremes));
   }
   ExtremesDetected found = answered(result, scene.case_sets, config.algorithms, config, &part, options.quiet, forecast);
   result.answers = std::move(found.answers);
   give_back();
-  if (result.extremes) result.extremes->answers = std::move(found.cases);
+  if (Extremes* extremes = result.products.find<Extremes>()) extremes->answers = std::move(found.cases);
   if (!scene.passes.empty()) {
     Progress progress("passes", scene.passes.size() * (1 + result.answers.size()), options.quiet, &forecast, "pass");
     Passes passes;
@@ -226,12 +235,13 @@ Result run(const Config& config, const RunOptions& options) {
     for (std::size_t a = 0; a < result.answers.size(); ++a)
       passes.answers.push_back(pass_answers(result.bodies, result.motion, result.truth, scene.passes, passes.rows,
                                             result.answers[a], config.algorithms[a], progress));
-    result.passes = std::move(passes);
+    result.products.put(std::move(passes));
   }
   const std::uint64_t pairs = judged_pairs(result);
   for (const Answers& answers : result.answers) result.summary.push_back(summarise(answers, pairs));
 
   result.first_step = first_steps(result.motion, result.bodies.size());
+  make_products(result);
   describe(result, config, std::move(from), start);
   part.mark_complete();
   store(result, target, options.quiet, forecast);
@@ -240,6 +250,7 @@ Result run(const Config& config, const RunOptions& options) {
 }
 
 Result detect_again(const fs::path& file, const std::vector<std::string>& arguments, const RunOptions& options) {
+  add_plugins(options.plugins);
   for (const std::string& argument : arguments) parse_algorithm(argument);  // mistakes are said before the file is read
   Amended amended(file, options.unsealed);
   Result& result = amended.result;
@@ -253,6 +264,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     if (choices.empty())
       throw Error(kInput, file.string() + ": this build has none of its algorithms; name others with --algorithm");
   }
+  find_files(choices);
 
   for (std::size_t i = 0; i < choices.size(); ++i) {
     const std::string& label = choices[i].label;
@@ -263,43 +275,52 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   }
 
   std::vector<CaseSet> sets;
-  if (result.extremes) {
+  if (result.products.find<Extremes>()) {
     sets = config.scene_kind->make(config).case_sets;
     if (sets.empty() || std::size_t(sets.back().first_step + sets.back().steps) != result.steps())
       throw Error(kFile, file.string() + ": its cases are not those of its configuration; run again with --force");
   } else {
     refuse_unfit(result.bodies, choices);
   }
+  const Passes* passes_before = result.products.find<Passes>();
   Forecast forecast;
   if (!options.quiet && sets.empty()) {
     const Plan planned = plan(result.bodies, result.steps(), choices);
     forecast = Forecast(foreseen_stages(result.bodies, result.motion, choices, config.repeats,
-                                        result.passes ? result.passes->rows.size() : 0, planned, kTrial));
+                                        passes_before ? passes_before->rows.size() : 0, planned, kTrial));
   }
   ExtremesDetected found = answered(result, sets, choices, config, nullptr, options.quiet, forecast);
+  Products fresh_products;
+  if (!sets.empty()) fresh_products.put(Extremes{.rows = {}, .answers = std::move(found.cases)});
   std::vector<Answers>& fresh = found.answers;
-  std::vector<PassAnswers> fresh_passes;
-  if (result.passes) {
-    const std::vector<Pass> passes = amended.passes(config);
+  if (passes_before) {
+    const std::vector<Pass> passes = amended.passes(config, passes_before->rows);
     Progress progress("passes", passes.size() * fresh.size(), options.quiet, &forecast, "pass");
+    Passes said;
     for (std::size_t a = 0; a < fresh.size(); ++a)
-      fresh_passes.push_back(pass_answers(result.bodies, result.motion, result.truth, passes, result.passes->rows,
+      said.answers.push_back(pass_answers(result.bodies, result.motion, result.truth, passes, passes_before->rows,
                                           fresh[a], choices[a], progress));
+    fresh_products.put(std::move(said));
   }
-  for (std::size_t i = 0; i < fresh.size(); ++i)
-    amended.put(std::move(fresh[i]), result.passes ? std::optional(std::move(fresh_passes[i])) : std::nullopt,
-                result.extremes ? std::optional(std::move(found.cases[i])) : std::nullopt);
+  for (std::size_t i = 0; i < fresh.size(); ++i) amended.put(std::move(fresh[i]), fresh_products, i);
+  make_products(result);
+  for (const AlgorithmChoice& choice : choices)
+    if (choice.foreign) amended.add_inputs(nlohmann::json(choice.foreign->files).dump());
   store(result, amended.target, options.quiet, forecast);
   return std::move(result);
 }
 
 std::vector<std::string> failures(const Result& result) {
   std::vector<std::string> lines;
-  if (result.physics && result.physics->status != "complete")
-    lines.push_back("the integration " + result.physics->status);
+  for (const Product& product : products())
+    if (product.failure && product.has(result))
+      if (const std::string line = product.failure(result); !line.empty()) lines.push_back(line);
   for (std::size_t a = 0; a < result.answers.size(); ++a) {
     const Answers& answers = result.answers[a];
     const Summary& row = result.summary[a];
+    if (failed(answers))
+      lines.push_back(answers.label + " failed after " + std::to_string(answers.foreign->steps_done) + " of " +
+                      std::to_string(result.steps()) + " steps: " + answers.foreign->reason);
     if (row.promise_kept) continue;
     std::string line = answers.label + " breaks its promise (" + answers.promise + "): ";
     line += std::to_string(row.false_negative) + " false negatives";

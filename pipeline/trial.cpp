@@ -55,6 +55,7 @@ class Asked {
     // Scattered, so that those that there is no time for are like the others.
     for (std::size_t i = 0; i < choices.size(); ++i) {
       const std::size_t c = scattered(i);
+      if (choices[c].foreign) continue;  // its time is no time of ours, and starting it is a thing of its own
       const algorithms::Memory& memory = plan.labels[c].memory;
       if (memory.greatest > kLarge) {
         set_up += kSetUp * double(memory.greatest);
@@ -66,7 +67,7 @@ class Asked {
       }
       const double before = spent();
       try {
-        methods_[c] = algorithms::find(choices[c].name)->make(bodies, choices[c].knobs);
+        methods_[c] = make_method(choices[c], bodies);
       } catch (const std::invalid_argument&) {  // said elsewhere
       }
       set_up += spent(before);
@@ -233,10 +234,9 @@ std::vector<Stage> foreseen_stages(const Config& config, const Scene& scene, con
   out.push_back(
       stage("truth", steps, asked.truth_set_up, [&](std::int64_t s) { return cost[std::size_t(s)].truth / workers; }));
   out.push_back(stage("detect", steps, asked.set_up, [&](std::int64_t s) { return cost[std::size_t(s)].detect; }));
-  if (plan.passes > 0) {
+  if (const std::uint64_t passes = plan.count("passes")) {
     const double answers = out.back().seconds() / double(steps) / double(1 + config.repeats);
-    out.push_back(
-        even("passes", plan.passes * (1 + config.algorithms.size()), double(plan.passes) * kEdgeAnswers * answers));
+    out.push_back(even("passes", passes * (1 + config.algorithms.size()), double(passes) * kEdgeAnswers * answers));
   }
   out.push_back(even("store", 1, store_seconds(plan)));
   return out;
@@ -260,12 +260,13 @@ std::vector<Stage> foreseen_stages(const Bodies& bodies, const std::vector<std::
 
 std::vector<Stage> foreseen_stages(const Config& config, const Plan& plan, int threads) {
   if (config.study) {
-    const double all = double(plan.cases) * double(config.study->force_evaluations) * kEvaluation;
-    return {even("cases", plan.cases, all / std::min(threads, thread_count(0))), even("store", 1, store_seconds(plan))};
+    const double all = double(plan.count("cases")) * double(config.study->force_evaluations) * kEvaluation;
+    return {even("cases", plan.count("cases"), all / std::min(threads, thread_count(0))),
+            even("store", 1, store_seconds(plan))};
   }
   const auto steps = std::uint64_t(config.steps);
   const double answers = kCaseSet * double(steps) * double(config.algorithms.size());
-  const double set_ups = 3 * kSetUp * plan.alone_bytes * double(plan.case_sets);  // three a set and algorithm
+  const double set_ups = 3 * kSetUp * plan.alone_bytes * double(plan.count("case_sets"));  // three a set and algorithm
   return {even("motion", steps, 0), even("truth", steps, kCaseSet * double(steps)),
           even("cases", steps, kCaseSet * double(steps)), even("detect", steps, answers + set_ups),
           even("store", 1, store_seconds(plan))};

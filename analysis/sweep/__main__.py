@@ -41,6 +41,7 @@ MANIFEST = "sweep.json"
 def main(arguments=None):
     open_standard_descriptors()
     chosen = parsed(arguments)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's & ignores it, and what is started would too
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:  # nohup means it
             signal.signal(number, signal.default_int_handler)

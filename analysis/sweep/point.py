@@ -18,6 +18,8 @@ import time
 from analysis.sweep.state import identity, inputs_sha256, write_json
 
 NOTE = "warning: "
+STOPS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+INTERRUPTED = 130  # the program's own exit code for such a signal
 TAIL = 1 << 16  # bytes of a log in which the reason is looked for
 
 
@@ -74,21 +76,18 @@ def _ran(plan, point, base):
             stopped.append(number)
             process.terminate()
 
-        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        for number in STOPS:
             signal.signal(number, stop)
         code = process.wait()
     found = {"exit_code": code if code >= 0 else 128 - code, "wall_time_s": round(time.monotonic() - began, 3)}
-    if stopped:
-        name = signal.Signals(stopped[0]).name
-        return found | {
-            "status": "stopped",
-            "reason": f"stopped by {name} (cancelled, or its time was up); a rerun goes on from there",
-        }
+    # A scheduler's signal goes to all processes of a job; the program may end of it before this one has noticed its own.
+    ended = stopped[0] if stopped else -code if -code in STOPS else signal.SIGTERM if code == INTERRUPTED else None
+    if ended:
+        reason = f"stopped by {signal.Signals(ended).name} (cancelled, or its time was up); a rerun goes on from there"
+        return found | {"status": "stopped", "reason": reason}
     if code < 0:
-        return found | {
-            "status": "failed",
-            "reason": f"killed by {signal.Signals(-code).name}{' (its memory was up?)' * (code == -9)}",
-        }
+        memory = " (its memory was up?)" if code == -signal.SIGKILL else ""
+        return found | {"status": "failed", "reason": f"killed by {signal.Signals(-code).name}{memory}"}
     reason = "" if code == 0 else _reason(base) or f"exit code {code} without a word"
     if code in (0, 1) and os.path.exists(base + ".h5"):
         try:

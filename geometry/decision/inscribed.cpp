@@ -1,8 +1,12 @@
-// Candidates: at points spread evenly over the surface, the greatest ball that touches it there from inside. It is
+// Candidates: at points p spread evenly over the surface, the greatest ball that touches it there from inside. It is
 // found by shrinking (J. Ma, S. Bae, S. Choi, "3D medial axis point approximation using nearest neighbors and the
 // normal field", 2012): the nearest surface point q of the ball's centre, if it is inside the ball, gives a smaller
-// ball, through q. Every ball inside that touches the surface in that point lies in the greatest one, so no others are
-// needed. How it was found proves nothing: of the centre alone the radius is proved by the certified distance of every
+// ball, through q. Every ball inside that touches the surface in p lies in that one. But in a mesh that stands for a
+// round surface balls are small that touch a facet beside its middle, so others are tried too, that come near p but for
+// a part e of their distance: centres p + s n, n being the normal, of which q is no nearer than (1 - e) s. With
+// a = |q - p|^2, b = n (q - p) and k = 1 - (1 - e)^2 it is nearer between the two roots of k s^2 - 2 b s + a = 0.
+//
+// How a ball was found proves nothing: of the centre alone the radius is proved by the certified distance of every
 // facet near it, and its side by the parity rule.
 //
 // Choice: a point is covered when it is within a distance d of a ball. For a given d, balls are taken one by one,
@@ -34,7 +38,7 @@ struct Sample {
 };
 
 /// How many points of the surface stand for it.
-std::size_t sample_count(std::size_t most) { return 2048 + 4 * most; }
+std::size_t sample_count(std::size_t most) { return 1024 + 4 * most; }
 
 struct Surface {
   const Mesh& mesh;
@@ -165,23 +169,23 @@ Vec3 nearest_point(const Surface& surface, const Vec3& p, double& least) {
   return best;
 }
 
-/// The centre of the greatest ball inside that touches the surface in the sample; `radius` is a first guess from above.
-Vec3 greatest_ball(const Surface& surface, const Sample& sample, double& radius) {
+/// How far behind the sample the centre is of the greatest ball inside that comes near it but for the part `missing` of
+/// that; `away` is a first guess from above. 0 when there is none.
+double centre_of_greatest(const Surface& surface, const Sample& sample, double missing, double away) {
   constexpr int kMostTries = 50;
-  constexpr double kTouches = 1e-9;  // of the radius
+  const double part = 1 - missing, k = (1 + part) * missing;
   for (int i = 0; i < kMostTries; ++i) {
-    const Vec3 centre = sample.point + radius * sample.inward;
-    double least = square(radius * (1 - kTouches));
+    double least = square(away * part);
     const double before = least;
-    const Vec3 q = nearest_point(surface, centre, least);
+    const Vec3 q = nearest_point(surface, sample.point + away * sample.inward, least);
     if (least == before) break;
     const Vec3 to = q - sample.point;
-    const double ahead = dot(to, sample.inward);
-    const double smaller = dot(to, to) / (2 * ahead);
-    if (!(ahead > 0 && smaller < radius)) return radius = 0, sample.point;
-    radius = smaller;
+    const double a = dot(to, to), b = dot(to, sample.inward);
+    const double smaller = a / (b + std::sqrt(std::fmax(0, b * b - a * k)));
+    if (!(b > 0 && smaller < away)) return 0;
+    away = smaller;
   }
-  return sample.point + radius * sample.inward;
+  return away;
 }
 
 /// A proved lower bound of the distance of p from the surface.
@@ -348,12 +352,18 @@ std::vector<ContactBall> candidates(const Surface& surface, const std::vector<Sa
   std::vector<ContactBall> out;
   double greatest = 0;
   for (const Sample& sample : at) {
-    double radius = first;
-    const Vec3 centre = greatest_ball(surface, sample, radius);
-    if (!(radius > 0) || !is_inside(centre, surface.mesh, surface.bvh, surface.mesh.vertices, surface.boxes)) continue;
-    radius = certified_distance(surface, centre);
-    greatest = std::fmax(greatest, radius);
-    out.push_back({centre, radius});
+    double away = first;
+    for (const double missing : {0.1, 0.02, 1e-9}) {
+      const double now = centre_of_greatest(surface, sample, missing, away);
+      if (!(now > 0)) break;
+      if (now == away && now != first) continue;  // the same as before
+      away = now;
+      const Vec3 centre = sample.point + away * sample.inward;
+      if (!is_inside(centre, surface.mesh, surface.bvh, surface.mesh.vertices, surface.boxes)) continue;
+      const double radius = certified_distance(surface, centre);
+      greatest = std::fmax(greatest, radius);
+      out.push_back({centre, radius});
+    }
   }
   std::erase_if(out, [&](const ContactBall& ball) { return !(ball.radius > 0 && ball.radius >= kLeast * greatest); });
   return out;
@@ -392,7 +402,7 @@ InscribedBalls inscribed_balls(const Mesh& mesh, const Solid& solid, std::size_t
 }
 
 std::uint64_t inscribed_balls_bytes(std::size_t facets, std::size_t most) {
-  return bvh_bytes(facets) + facets * sizeof(Box) * 2 + sample_count(most) * 250;
+  return bvh_bytes(facets) + facets * sizeof(Box) * 2 + sample_count(most) * 400;
 }
 
 }  // namespace geometry

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "pipeline/commands/show.hpp"
+#include "pipeline/result/product.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/run.hpp"
 #include "pipeline/terminal/error.hpp"
@@ -37,6 +38,15 @@ void add_config(CLI::App& command, std::string& path, std::vector<std::string>& 
   command.add_option("--set", sets, "Overrule a key: --set physics.accuracy=1e-4; repeated for more")
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);
+}
+
+void add_plugin_option(CLI::App& command, std::vector<std::string>& libraries) {
+  command
+      .add_option("--plugin", libraries,
+                  "Shared library with methods of others (algorithms/README.md); repeated for more")
+      ->option_text("LIBRARY")
+      ->allow_extra_args(false)
+      ->check(must_name("a shared library"));
 }
 
 void add_file(CLI::App& command, std::string& path, const std::string& what) {
@@ -105,8 +115,8 @@ void refuse_part(const std::string& file) {
 Result whole_result(const std::string& file, bool unsealed) {
   refuse_part(file);
   Result result = read_result(file, unsealed);
-  if (result.study)
-    throw Error(kFile, file + ": is a study of the integrators, without poses and answers; name a result of a scene");
+  if (const Product* product = stands_alone(result))
+    throw Error(kFile, file + ": is " + product->what + ", without poses and answers; name a result of a scene");
   return result;
 }
 

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/commands/command.hpp"
-#include "pipeline/result/digest.hpp"
+#include "pipeline/result/columns.hpp"
 #include "pipeline/result/output_file.hpp"
+#include "pipeline/result/product.hpp"
 #include "pipeline/result/store.hpp"
-#include "pipeline/stages/summary.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/system/input_file.hpp"
 #include "pipeline/terminal/error.hpp"
@@ -47,24 +47,6 @@ double median_of_known(std::vector<double> values) {
 /// Three digits: a fourth would be noise, and change at every recording.
 double rounded(double value) { return std::strtod(print("%.3g", value).c_str(), nullptr); }
 
-/// Where the surfaces of the passes first and last meet, to the bit.
-std::string digest_of(const std::vector<PassRow>& rows) {
-  Digest digest;
-  for (const PassRow& row : rows) {
-    const double ends[] = {row.truth_first, row.truth_last};
-    digest.add(std::span<const double>(ends));
-  }
-  return digest.hex();
-}
-
-/// Where an algorithm first and last reports them.
-std::string digest_of(const PassAnswers& answers) {
-  Digest digest;
-  digest.add(std::span(answers.first));
-  digest.add(std::span(answers.last));
-  return digest.hex();
-}
-
 Json baseline_of(const Result& result, bool times) {
   const auto digest = digests(result);
   Json json = {{"kind", kKind},
@@ -78,7 +60,8 @@ Json baseline_of(const Result& result, bool times) {
                  {"containment", std::string(text_of(result.truth.containment))}}},
                {"algorithms", Json::object()}};
   if (result.truth.lists_contained()) json["truth"]["contained"] = result.truth.contained.pair.size();
-  if (result.passes) json["truth"]["passes_digest"] = digest_of(result.passes->rows);
+  for (const Product& product : products())
+    if (product.figures && product.has(result)) product.figures(result, json["truth"]);
   std::vector<double> means, setups;
   for (const Summary& row : result.summary) {
     means.push_back(row.time_mean_ns);
@@ -98,13 +81,10 @@ Json baseline_of(const Result& result, bool times) {
           {"rounding_miss", total(answers.rounding_miss)},
           {"operations", row.operations},
           {"operations_unit", answers.operations_unit}};
+    if (answers.foreign) of["status"] = failed(answers) ? "failed" : "complete";
     if (row.contained_hit) of["contained_hit"] = *row.contained_hit;
-    if (result.passes) {
-      const PassAnswers& passes = result.passes->answers[a];
-      of["passes_hits"] = total(passes.hits);
-      of["passes_flicker"] = total(passes.flicker);
-      of["passes_digest"] = digest_of(passes);
-    }
+    for (const Product& product : products())
+      if (product.label_figures && product.has(result)) product.label_figures(result, a, of);
     if (!times) continue;
     const auto put = [&](const char* key, double value) {
       if (value > 0) of[key] = rounded(value);  // else it is not known
@@ -125,12 +105,12 @@ void check(const Json& json, const std::string& place) {
   if (version != kBaselineSchema)
     throw Error(kFile, place + ": has baseline schema " + one_line(version.dump()) + ", this program reads " +
                            std::to_string(kBaselineSchema) + "; record it again with --write at another place");
-  constexpr const char* kTexts[] = {"digest",  "containment",     "name",         "knobs",
-                                    "answers", "operations_unit", "passes_digest"};
+  constexpr const char* kTexts[] = {"containment", "name", "knobs", "answers", "operations_unit", "status"};
   const auto figures = [&](const Json& object, const std::string& of, std::initializer_list<const char*> required) {
     if (!object.is_object()) throw bad(place, one_line(of) + " is no object");
     for (const auto& [key, value] : object.items()) {
-      const bool text = std::ranges::any_of(kTexts, [&](const char* name) { return key == name; });
+      const bool text =
+          key.ends_with("digest") || std::ranges::any_of(kTexts, [&](const char* name) { return key == name; });
       if (is_cost(key) ? !(value.is_number() && value > 0) : text ? !value.is_string() : !value.is_number_unsigned())
         throw bad(place, one_line(of + "." + key) + " has a value of another kind");
     }
@@ -185,7 +165,7 @@ void compare_times(const Json& before, const Json& now, const std::string& place
                    Score& out) {
   for (const auto& [label, figures] : before.items()) {
     if (!now.contains(label)) continue;
-    if (!now[label].contains(kTimeRatio)) continue;  // answers that were imported without times
+    if (!now[label].contains(kTimeRatio) || figures.value("status", "") == "failed") continue;
     if (!figures.contains(kTimeRatio))
       throw Error(kFile, place + ": has no times of '" + one_line(label) + "'; record them with --write --times");
     out.times.push_back({label, figures[kTimeRatio].get<double>(), now[label][kTimeRatio].get<double>()});

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/result/product.hpp"
 #include "pipeline/system/input_file.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -23,7 +24,7 @@ constexpr const char* kManifest = "manifest.json";
 constexpr const char* kLock = "lock";
 constexpr const char* kComplete = "complete";  // in the manifest: nothing is missing but the result's own place
 constexpr const char* kKind = "collision benchmark checkpoint";
-constexpr const char* kStages[] = {"motion", "truth", "answers", "case"};
+constexpr const char* kStages[] = {"motion", "truth", "answers"};
 constexpr std::int64_t kMostSteps = 10000000;      // as the configuration's
 constexpr std::uint64_t kMostManifest = 64 << 10;  // bytes; ours have less than 6 KiB
 
@@ -55,10 +56,12 @@ std::string text_in(const nlohmann::json& manifest, const char* name) {
 bool is_ours(const nlohmann::json& manifest) { return text_in(manifest, "kind") == kKind; }
 
 bool is_chunk(std::string_view name) {
-  return std::ranges::any_of(kStages, [&](std::string_view stage) {
+  const auto of = [&](std::string_view stage) {
     return name.size() >= stage.size() + 8 && name.starts_with(stage) && name[stage.size()] == '-' &&
            name.find_first_not_of("0123456789", stage.size() + 1) == std::string_view::npos;
-  });
+  };
+  return std::ranges::any_of(kStages, of) ||
+         std::ranges::any_of(products(), [&](const Product& product) { return product.chunks && of(product.chunks); });
 }
 
 /// A file that a kill left behind while it was made.
@@ -152,13 +155,14 @@ CheckpointStatus checkpoint_status(const fs::path& folder) {
                           .steps = whole ? manifest["steps"].get<std::int64_t>() : 0};
   if (status.steps < 1 || status.steps > kMostSteps)
     throw Error(kFile, folder.string() + ": is not an unfinished run of this program (no readable " + kManifest + ")");
-  status.study = manifest.contains("study");
+  for (const Product& product : products())
+    if (product.place == Product::Place::alone && manifest.contains(product.name)) status.alone = &product;
   // What is there is counted, not what might be: a manifest can speak of millions.
   for (const std::string& name : names_in(in)) {
     const auto chunk = chunk_of(name);
     if (!chunk || chunk->step >= status.steps) continue;
-    if (status.study) {
-      status.cases += chunk->stage == "case";
+    if (status.alone) {
+      status.cases += chunk->stage == status.alone->chunks;
       continue;
     }
     if (chunk->step % kChunkSteps != 0) continue;
@@ -171,7 +175,7 @@ CheckpointStatus checkpoint_status(const fs::path& folder) {
 }
 
 Checkpoint::Checkpoint(const fs::path& folder, const CheckpointKey& key, const std::string& title, std::int64_t steps,
-                       bool force, bool study)
+                       bool force, const std::string& alone)
     : Checkpoint(folder) {
   nlohmann::json mine = {{"kind", kKind},
                          {"config_sha256", key.config_sha256},
@@ -179,7 +183,7 @@ Checkpoint::Checkpoint(const fs::path& folder, const CheckpointKey& key, const s
                          {"program_sha256", key.program_sha256},
                          {"title", title},
                          {"steps", steps}};
-  if (study) mine["study"] = true;
+  if (!alone.empty()) mine[alone] = true;
   seal_ = mine.dump();
   try {
     made_.emplace(folder);
@@ -201,8 +205,8 @@ Checkpoint::Checkpoint(const fs::path& folder, const CheckpointKey& key, const s
     nlohmann::json found = manifest_of(in);
     if (found.is_object()) found.erase(kComplete);
     if (found == mine) {
-      resumed_ =
-          study ? checkpoint_status(folder).cases > 0 : has(chunk_name("motion", 0)) || has(chunk_name("truth", 0));
+      resumed_ = !alone.empty() ? checkpoint_status(folder).cases > 0
+                                : has(chunk_name("motion", 0)) || has(chunk_name("truth", 0));
       return;
     }
     if (!found.is_null() && !force)

@@ -19,6 +19,8 @@
 
 namespace pipeline {
 
+struct Product;
+
 /// Steps per chunk. The integrator is restarted and all memories of algorithms are emptied at these boundaries in
 /// every run alike, so that a resumed run has the same bits as one that was never interrupted.
 constexpr std::int64_t kChunkSteps = 50;
@@ -36,8 +38,8 @@ struct CheckpointStatus {
   std::string title;
   std::int64_t steps = 0;
   std::int64_t motion_steps = 0, truth_steps = 0, answered_steps = 0;
-  bool study = false;      // then `steps` are cases
-  std::int64_t cases = 0;  // finished
+  const Product* alone = nullptr;  // what is made instead of a scene: then `steps` are its cases
+  std::int64_t cases = 0;          // finished
 };
 CheckpointStatus checkpoint_status(const std::filesystem::path& folder);
 
@@ -45,9 +47,9 @@ class Checkpoint {
  public:
   /// Opens or makes the folder. Throws Error(kFile) when another run holds it, when it belongs to another configuration
   /// or build and `force` is false (with force its files are erased), when it is no folder of ours (also with force),
-  /// or when it cannot be written. Of a study `steps` are its cases.
+  /// or when it cannot be written. Of a product that stands `alone`, named so, `steps` are its cases.
   Checkpoint(const std::filesystem::path& folder, const CheckpointKey& key, const std::string& title,
-             std::int64_t steps, bool force, bool study = false);
+             std::int64_t steps, bool force, const std::string& alone = {});
   ~Checkpoint();
   Checkpoint(const Checkpoint&) = delete;
   Checkpoint& operator=(const Checkpoint&) = delete;

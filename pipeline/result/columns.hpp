@@ -3,6 +3,7 @@
 // and the value that is put into it (stages/detect.cpp, stages/summary.cpp).
 #pragma once
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -51,6 +52,18 @@ inline constexpr Column<Answers, std::vector<std::uint64_t>> kAnswerCounts[] = {
     {"operations", &Answers::operations, "1", "elementary tests made; what is counted: operations_unit of /answers"},
     {"contained_hit", &Answers::contained_hit, "1",
      "pairs reported whose surfaces do not meet, one body being inside the other", /*optional=*/true}};
+
+template <class T>
+T total(const std::vector<T>& column) {
+  return std::accumulate(column.begin(), column.end(), T{0});
+}
+
+/// Of at least one value, sorted.
+template <class T>
+double median(const std::vector<T>& sorted) {
+  const std::size_t n = sorted.size();
+  return n % 2 ? double(sorted[n / 2]) : 0.5 * (double(sorted[n / 2 - 1]) + double(sorted[n / 2]));
+}
 
 /// Tells `each` the columns of /results that hold times, in the file's order.
 template <typename Each>

@@ -5,6 +5,7 @@
 
 #include "pipeline/result/columns.hpp"
 #include "pipeline/result/layout.hpp"
+#include "pipeline/result/product.hpp"
 
 namespace pipeline {
 namespace {
@@ -39,6 +40,8 @@ Result answered() {
   return out;
 }
 
+void touch_by_spheres(Result& result) { result.bodies.meshes[0].contact_spheres.resize(1); }
+
 void list_contained(Result& result) {
   result.truth.containment = Containment::meet;
   for (int step = 0; step < 2; ++step) result.truth.contained.append({});
@@ -53,40 +56,20 @@ void count_contained(Result& result) {
   result.summary[0].contained_hit = 0;
 }
 
-void keep_gaps(Result& result) {
-  result.truth.gaps.emplace();
-  for (int step = 0; step < 2; ++step) result.truth.gaps->pairs.append({});
-}
-
-void pass(Result& result) { result.passes = Passes{.rows = {PassRow{}}, .answers = {PassAnswers{{0}, {0}, {0}, {0}}}}; }
-
-void go_to_extremes(Result& result) {
-  ExtremeAnswers answers;
-  answers.reported = answers.swapped = answers.moved = answers.failed = {0, 0};
-  result.extremes = Extremes{.rows = {ExtremeCase{}, ExtremeCase{}}, .answers = {answers}};
-}
-
-/// What makes a result hold more than the truth and the answers.
+/// What makes a result hold more than the truth and the answers, besides products.
 struct Feature {
   const char* when;
   void (*add)(Result& result);
 };
 constexpr Feature kFeatures[] = {
     {"always", [](Result&) {}},
-    {"the scene is integrated", [](Result& result) { result.physics.emplace().rows.resize(2); }},
+    {"bodies that are no spheres touch others", touch_by_spheres},
     {"only chosen bodies count",
      [](Result& result) {
        result.bodies.chosen = {1, 0};
      }},
     {"containment = \"record\" or \"meet\"", list_contained},
     {"containment = \"record\"", count_contained},
-    {"[truth] gap = true", keep_gaps},
-    {"[timing] noise = true",
-     [](Result& result) {
-       result.noise.emplace().time_ns = {0, 0};
-     }},
-    {"the scene has passes", pass},
-    {"kind = \"extremes\"", go_to_extremes},
 };
 
 const char* type_text(Type type) {
@@ -110,8 +93,8 @@ const char* type_text(Type type) {
 /// A dimension by the name of its scale; those that are always the same by their size.
 std::string size_text(std::string_view scale, std::uint64_t size) {
   static const std::map<std::string_view, const char*> letters = {
-      {"step", "S"},   {"boundary", "S + 1"}, {"body", "B"}, {"algorithm", "A"},
-      {"vertex", "V"}, {"triangle", "T"},     {"pass", "P"}, {"case", "C"}};
+      {"step", "S"},     {"boundary", "S + 1"}, {"body", "B"},   {"algorithm", "A"}, {"vertex", "V"},
+      {"triangle", "T"}, {"pass", "P"},         {"sphere", "K"}, {"case", "C"}};
   const std::string_view name = base_name(scale);
   if (const auto found = letters.find(name); found != letters.end()) return found->second;
   return name.ends_with("entry") ? "E" : std::to_string(size);
@@ -143,22 +126,26 @@ std::vector<DatasetFacts> dataset_facts() {
     feature.add(result);
     add(result, feature.when);
   }
-  Result study;
-  study.study.emplace(1);
-  add(study, "study = \"integration\"");
-  // What takes more than "always" although no feature adds it: scenes that a study has not.
-  std::vector<std::string> in_study;
-  for (const Group& group : layout(study))
-    for (const Dataset& dataset : group.datasets) in_study.push_back(dataset.path);
+  Result alone;
+  for (const Product& product : products()) {
+    Result result = product.place == Product::Place::alone ? Result() : answered();
+    product.sample(result);
+    add(result, product.when);
+    if (product.place == Product::Place::alone) alone = std::move(result);
+  }
+  // What takes more than "always" although no feature adds it: a scene, which what stands alone has not.
+  std::vector<std::string> in_alone;
+  for (const Group& group : layout(alone))
+    for (const Dataset& dataset : group.datasets) in_alone.push_back(dataset.path);
   Result unanswered = small();
   std::vector<std::string> in_unanswered;
   for (const Group& group : layout(unanswered))
     for (const Dataset& dataset : group.datasets) in_unanswered.push_back(dataset.path);
   for (DatasetFacts& facts : all) {
     if (facts.when != std::string("always")) continue;
-    const bool of_study = std::ranges::find(in_study, facts.path) != in_study.end();
+    const bool of_alone = std::ranges::find(in_alone, facts.path) != in_alone.end();
     const bool of_motion = std::ranges::find(in_unanswered, facts.path) != in_unanswered.end();
-    facts.when = of_study ? "always" : of_motion ? "a scene" : "a scene with algorithms";
+    facts.when = of_alone ? "always" : of_motion ? "a scene" : "a scene with algorithms";
   }
   // Group by group, those of a group as they came.
   std::vector<std::string> groups;

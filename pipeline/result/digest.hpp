@@ -25,7 +25,7 @@
 #include <string>
 #include <string_view>
 
-#include "pipeline/result/layout.hpp"
+#include "pipeline/result/dataset.hpp"
 
 namespace pipeline {
 

@@ -8,8 +8,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "pipeline/result/dataset.hpp"
 #include "pipeline/result/h5.hpp"
-#include "pipeline/result/layout.hpp"
 #include "pipeline/result/result.hpp"
 
 namespace pipeline {

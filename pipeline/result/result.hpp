@@ -1,15 +1,17 @@
 // A result in memory: what the HDF5 file holds (pipeline/FILE.md). S steps, B bodies, A algorithms.
 #pragma once
+#include <any>
 #include <cstdint>
-#include <limits>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <typeindex>
+#include <utility>
 #include <vector>
 
 #include "geometry/bodies.hpp"
-#include "pipeline/physics/simulate.hpp"
 
 namespace pipeline {
 
@@ -94,13 +96,6 @@ struct Answers {
 /// Whether it failed at some step.
 inline bool failed(const Answers& answers) { return answers.foreign && !answers.foreign->reason.empty(); }
 
-/// The first label timed a second time: what times of the same differ by.
-struct Noise {
-  std::string label;
-  std::vector<std::int64_t> time_ns;    // S
-  double ratio = 0, low = 0, high = 0;  // of its mean to the label's own, with a 95 % interval; NaN: too few steps
-};
-
 /// One row of /summary. A ratio 0/0 is NaN, but the error is then 0. hits = true_positive + false_positive +
 /// contained_hit. Times are NaN of what was not timed; what is absent was not known to the program that wrote it.
 struct Summary {
@@ -138,92 +133,6 @@ struct Truth {
   std::vector<Pair> scoring(std::size_t step) const;
 };
 
-/// One straight pass of a scripted scene: a row of /passes. Positions are metres from the start of its path.
-struct PassRow {
-  std::string target, path, orientation;  // name of the obstacle, of the path, of the hero's orientation
-  double offset = 0;                      // m, of the path from the target's position
-  std::uint64_t first_step = 0, samples = 0;
-  // Where the surfaces first and last meet; NaN when they never do. Samples at which they do.
-  double truth_first = std::numeric_limits<double>::quiet_NaN();
-  double truth_last = std::numeric_limits<double>::quiet_NaN();
-  std::uint64_t truth_hits = 0;
-};
-
-/// What one algorithm said about the passes: a column of /passes. P values each.
-struct PassAnswers {
-  std::vector<double> first, last;     // m before (negative: after) the truth's; NaN where one has none
-  std::vector<std::uint64_t> flicker;  // changes of the answer between neighbouring samples that both truly meet
-  std::vector<std::uint64_t> hits;     // samples reported
-};
-
-struct Passes {
-  std::vector<PassRow> rows;         // P
-  std::vector<PassAnswers> answers;  // A
-};
-
-/// One step of a scene of extremes: a row of /extremes.
-struct ExtremeCase {
-  std::string pair, gap_class;     // the two shapes; the gap as it was asked for: "+10 ulp", "-1e-3"
-  double gap = 0;                  // m along the approach from exact touching, positive: apart
-  std::int64_t gap_ulps = 0;       // the same in units of `ulp`
-  double ulp = 0;                  // m, the spacing of doubles at the greatest coordinate of the step's bodies
-  double scale = 0, offset = 0;    // m
-  std::uint64_t orientation = 0;   // which stream of the seed turned the two
-  std::uint8_t truth = 0;          // 1: they meet
-  std::uint8_t truth_moved = 0;    // 1: they meet when both are moved by an exactly representable step
-  std::uint8_t near_touching = 0;  // 1: within 1000 ulps of touching, or the truth changes within 1000 ulps
-};
-
-/// What one algorithm said about the cases: a column of /extremes. S flags each.
-struct ExtremeAnswers {
-  std::vector<std::uint8_t> reported, swapped, moved;  // as placed, in the other order, both moved
-  std::vector<std::uint8_t> failed;  // 1: it refused the bodies, 2: it threw at the step; then nothing is reported
-  std::string reason;                // of the first failure
-};
-
-struct Extremes {
-  std::vector<ExtremeCase> rows;        // S
-  std::vector<ExtremeAnswers> answers;  // A
-};
-
-struct PhysicsRows {
-  std::vector<PhysicsSample> rows;  // S
-  std::string status;               // "complete", or "failed at step K: why"
-  // Greatest | |q| - 1 | of the integrator's quaternions at samples, before they become poses; NaN: not known.
-  double quaternion_drift = std::numeric_limits<double>::quiet_NaN();
-};
-
-/// One case of a study of the integrators: a row of /study. A parameter that its problem does not have is NaN.
-struct StudyRow {
-  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-  // What is integrated, and how.
-  std::string sweep, problem, integrator;
-  std::string units = "SI";                        // or "scaled": in units of the problem's own length, mass and time
-  double accuracy = kNone;                         // NaN with a fixed step
-  double fixed_step = kNone;                       // s; NaN when the accuracy chooses the steps
-  double nominal_order = kNone;                    // NaN: it varies
-  double duration = kNone, greatest_step = kNone;  // s
-  double radius = kNone, thickness = kNone, offset = kNone;  // m
-  double mass = kNone, inertia = kNone;                      // kg, kg m^2
-  double balls = kNone, mass_ratio = kNone;                  // 1
-  double speed = kNone, transition_velocity = kNone;         // m/s
-  double stiffness = kNone;                                  // Pa
-  double dissipation = kNone;                                // s/m
-
-  // What came of it. `status` is one of configs/README.md's, `reason` says in words why it did not finish, or
-  // why its error is not known.
-  std::string status = "not run", reason;
-  double reached = kNone;                                                   // s
-  double error = kNone, position_error = kNone, orientation_error = kNone;  // 1, m, rad
-  double energy_error = kNone, momentum_drift = kNone;                      // 1
-  double greatest_penetration = kNone, smallest_step = kNone;               // m, s
-  double preventing_step = kNone;                                           // s
-  std::uint64_t steps = 0, rejected_steps = 0, force_evaluations = 0;
-  bool finished = false;
-  std::int64_t time_ns = 0;  // of processor
-};
-
 /// Where a result comes from; attributes of the root and of /run.
 struct Provenance {
   std::string creator, git_commit, build_type, compiler, flags;
@@ -234,6 +143,35 @@ struct Provenance {
   double wall_time_s = 0;
 };
 
+/// What some results hold besides, at most one value of each type: passes, cases of extremes, … Rows of products()
+/// say what becomes of each (pipeline/result/product.hpp).
+class Products {
+ public:
+  /// Null when there is none.
+  template <class T>
+  T* find() {
+    const auto at = all_.find(typeid(T));
+    return at == all_.end() ? nullptr : std::any_cast<T>(&at->second);
+  }
+  template <class T>
+  const T* find() const {
+    const auto at = all_.find(typeid(T));
+    return at == all_.end() ? nullptr : std::any_cast<T>(&at->second);
+  }
+  template <class T>
+  T& put(T value) {
+    return std::any_cast<T&>(all_[typeid(T)] = std::move(value));
+  }
+  template <class T>
+  void drop() {
+    all_.erase(typeid(T));
+  }
+
+ private:
+  std::map<std::type_index, std::any> all_;
+};
+
+/// A study of the integrators has nothing of it but title, configuration, its product and provenance.
 struct Result {
   std::string title;
   std::string config_text, config_effective;
@@ -241,15 +179,10 @@ struct Result {
   geometry::Bodies bodies;
   std::vector<std::int64_t> first_step;             // B; -1 if never born
   std::vector<std::vector<geometry::Pose>> motion;  // S x B
-  std::optional<PhysicsRows> physics;               // only when integrated
   Truth truth;
-  std::vector<Answers> answers;      // A
-  std::vector<Summary> summary;      // A
-  std::optional<Noise> noise;        // only where asked for
-  std::optional<Passes> passes;      // only of scenes that have some
-  std::optional<Extremes> extremes;  // only of scenes of extremes
-  // Of studies of the integrators, which have nothing of the above but title and configuration.
-  std::optional<std::vector<StudyRow>> study;
+  std::vector<Answers> answers;  // A
+  std::vector<Summary> summary;  // A
+  Products products;
   Provenance provenance;
   std::string digest;   // of the root; filled in by write and read
   bool vouched = true;  // false: read although its seal did not hold, so what is written of it gets none

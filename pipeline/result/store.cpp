@@ -20,6 +20,7 @@
 #include "pipeline/result/digest.hpp"
 #include "pipeline/result/h5_reader.hpp"
 #include "pipeline/result/layout.hpp"
+#include "pipeline/result/product.hpp"
 #include "pipeline/result/seal.hpp"
 #include "pipeline/system/child.hpp"
 #include "pipeline/system/input_file.hpp"
@@ -289,18 +290,6 @@ std::vector<std::vector<geometry::Pose>> read_motion(const Reader& from, std::ui
   return motion;
 }
 
-PhysicsRows read_physics(const Reader& from, std::uint64_t steps) {
-  PhysicsRows physics;
-  physics.status = from.attribute<std::string>("/physics", "status");
-  if (from.has_attribute("/physics", "quaternion_drift"))
-    physics.quaternion_drift = from.attribute<double>("/physics", "quaternion_drift");
-  physics.rows.resize(steps);
-  for (const auto& column : kPhysicsReals) from.rows("/physics", column, physics.rows);
-  for (const auto& column : kPhysicsCounts) from.rows("/physics", column, physics.rows);
-  for (const auto& column : kPhysicsTimes) from.rows("/physics", column, physics.rows);
-  return physics;
-}
-
 ForeignFacts read_facts(const Reader& from, const std::string& path, std::uint64_t steps) {
   const auto text = [&](const char* name) { return from.attribute<std::string>(path, name); };
   ForeignFacts facts;
@@ -359,34 +348,6 @@ std::vector<Summary> read_summary(const Reader& from, std::uint64_t algorithms) 
   return rows;
 }
 
-Passes read_passes(const Reader& from, std::uint64_t algorithms) {
-  Passes passes;
-  passes.rows.resize(from.texts(std::string("/passes/") + kPassTexts[0].name, {kAny}).size());
-  for (const auto& column : kPassTexts) from.rows("/passes", column, passes.rows);
-  for (const auto& column : kPassCounts) from.rows("/passes", column, passes.rows);
-  for (const auto& column : kPassReals) from.rows("/passes", column, passes.rows);
-  if (algorithms == 0) return passes;
-  passes.answers.resize(algorithms);
-  for (const auto& column : kPassAnswerReals) from.answers("/passes", column, passes.rows.size(), passes.answers);
-  for (const auto& column : kPassAnswerCounts) from.answers("/passes", column, passes.rows.size(), passes.answers);
-  return passes;
-}
-
-Extremes read_extremes(const Reader& from, std::uint64_t steps, std::uint64_t algorithms) {
-  Extremes extremes;
-  extremes.rows.resize(steps);
-  for (const auto& column : kCaseTexts) from.rows("/extremes", column, extremes.rows);
-  for (const auto& column : kCaseReals) from.rows("/extremes", column, extremes.rows);
-  for (const auto& column : kCaseIntegers) from.rows("/extremes", column, extremes.rows);
-  for (const auto& column : kCaseCounts) from.rows("/extremes", column, extremes.rows);
-  for (const auto& column : kCaseFlags) from.rows("/extremes", column, extremes.rows);
-  if (algorithms == 0) return extremes;
-  extremes.answers.resize(algorithms);
-  each_case_answer_column([&](const auto& column) { from.answers("/extremes", column, steps, extremes.answers); });
-  from.rows("/extremes", kCaseReason, extremes.answers);
-  return extremes;
-}
-
 /// What files have since they say which of a contained pair is inside.
 void read_contained_inside(const Reader& from, Result& result) {
   const std::vector<Pair>& pairs = result.truth.contained.pair;
@@ -418,12 +379,6 @@ Provenance read_provenance(const Reader& from) {
   return out;
 }
 
-std::vector<StudyRow> read_study(const Reader& from) {
-  std::vector<StudyRow> rows(from.values<std::int64_t>("/study/case", {kAny}).size());
-  each_study_column([&](const auto& column) { from.rows("/study", column, rows); });
-  return rows;
-}
-
 Result read_all(const Reader& from) {
   Result result;
   result.title = from.attribute<std::string>("/", "title");
@@ -431,14 +386,14 @@ Result read_all(const Reader& from) {
   result.config_effective = from.attribute<std::string>("/config", "effective");
   result.provenance = read_provenance(from);
   result.digest = from.attribute<std::string>("/", "digest");
-  if (from.has("/study")) return result.study = read_study(from), result;
+  for (const Product& product : products())
+    if (product.place == Product::Place::alone && from.has(product.sign)) return product.read(from, result), result;
   result.rate = from.attribute<double>("/time", "rate");
   const std::uint64_t steps = from.size("/step", kMostSteps);
   result.bodies = read_bodies(from);
   const std::uint64_t bodies = result.bodies.size();
   result.first_step = from.values<std::int64_t>("/bodies/first_step", {bodies});
   result.motion = read_motion(from, steps, bodies);
-  if (from.has("/physics")) result.physics = read_physics(from, steps);
   result.truth.hits = from.pairs("/truth", steps, bodies);
   if (from.has("/truth/contained_pair")) {
     const auto kept = containment_of(from.attribute<std::string>("/truth", "containment"));
@@ -447,28 +402,13 @@ Result read_all(const Reader& from) {
     result.truth.contained = from.pairs("/truth", steps, bodies, "contained_");
     if (from.has("/truth/contained_inside")) read_contained_inside(from, result);
   }
-  if (from.has("/truth/gap_pair")) {
-    GapLists& gaps = result.truth.gaps.emplace();
-    gaps.margin = from.attribute<double>("/truth", "gap_margin");
-    gaps.pairs = from.pairs("/truth", steps, bodies, "gap_");
-    for (const auto& column : kGapReals)
-      gaps.*column.member = from.values<double>(std::string("/truth/") + column.name, {gaps.pairs.pair.size()});
-  }
   result.truth.time_ns = from.values<std::int64_t>("/truth/time_ns", {steps});
   if (from.has("/algorithm")) {
     result.answers = read_answers(from, steps, bodies);
     result.summary = read_summary(from, result.answers.size());
   }
-  if (from.has("/noise")) {
-    Noise& noise = result.noise.emplace();
-    noise.label = from.attribute<std::string>("/noise", "label");
-    noise.ratio = from.attribute<double>("/noise", "ratio");
-    noise.low = from.attribute<double>("/noise", "ratio_low");
-    noise.high = from.attribute<double>("/noise", "ratio_high");
-    noise.time_ns = from.values<std::int64_t>("/noise/time_ns", {steps});
-  }
-  if (from.has("/passes")) result.passes = read_passes(from, result.answers.size());
-  if (from.has("/extremes")) result.extremes = read_extremes(from, steps, result.answers.size());
+  for (const Product& product : products())
+    if (product.place != Product::Place::alone && from.has(product.sign)) product.read(from, result);
   return result;
 }
 

@@ -5,13 +5,11 @@
 #include <map>
 #include <string>
 
+#include "pipeline/result/layout.hpp"
 #include "pipeline/result/output_file.hpp"
 #include "pipeline/result/result.hpp"
 
 namespace pipeline {
-
-/// Grows when a name, unit or meaning in the file changes. A newer one is refused.
-constexpr int kSchemaVersion = 1;
 
 /// The attribute of the root that says that there is a seal (seal.hpp).
 constexpr char kSealed[] = "sealed";

@@ -224,7 +224,7 @@ SceneSize size(const SceneConfig& config) {
   size.pairs = 1;
   std::set<std::pair<std::string, double>> seen;
   for_each_set(scene, all, [&](std::uint64_t, const PairKind& kind, const Place& place) {
-    ++size.case_sets;
+    ++size.asked["case_sets"];
     if (!seen.emplace(kind.name, place.scale).second) return;
     const auto mesh = [&](const std::string& shape) {
       return *std::ranges::find(bodies.meshes, shape + "_" + real_text(place.scale), &Mesh::name);

@@ -30,9 +30,9 @@ namespace {
 
 /// The thesis's scene: one sphere onto another, ten onto ten, and a block of 6 x 6 x 6 onto 6 x 6.
 std::vector<FallingSet> thesis_sets() {
-  return {{.lying = {1, 1}, .above = {1, 1, 1}, .corner = {-14, -20}, .spacing = 2.1, .height = 5},
-          {.lying = {10, 1}, .above = {10, 1, 1}, .corner = {-10, -18}, .spacing = 2.5, .height = 26},
-          {.lying = {6, 6}, .above = {6, 6, 6}, .corner = {-5, -3}, .spacing = 2.1, .height = 75}};
+  return {{.lying = {1, 1}, .above = {1, 1, 1}, .corner = {-14, -20}, .spacing = 2.1, .height = 5, .shapes = {}},
+          {.lying = {10, 1}, .above = {10, 1, 1}, .corner = {-10, -18}, .spacing = 2.5, .height = 26, .shapes = {}},
+          {.lying = {6, 6}, .above = {6, 6, 6}, .corner = {-5, -3}, .spacing = 2.1, .height = 75, .shapes = {}}};
 }
 
 /// At most 1e12 + 1e18 by the rules for each count: no overflow.
@@ -118,7 +118,7 @@ void read(const Section& s, SceneConfig& config) {
       t.refuse("shapes", "hold at least one shape", "leave the key out for the scene's sphere");
     spheres += sphere_count(set);
     if (spheres > kMostBodies)
-      t.fail("'scene.set' must hold at most " + std::to_string(kMostBodies) + " spheres or other bodies, not " +
+      t.fail("'scene.set' must hold at most " + std::to_string(kMostBodies) + " bodies, not " +
              std::to_string(spheres) + "; lower 'lying' or 'above'");
     scene.sets.push_back(set);
   }
@@ -227,7 +227,16 @@ std::string what_of(const FallingBody& body) { return body.shape ? name_of(body)
 
 /// Whether some set is of the scene's sphere.
 bool has_default_sphere(const FallingScene& scene) {
-  return std::ranges::any_of(scene.sets, [](const FallingSet& set) { return set.shapes.empty(); });
+  return std::ranges::any_of(scene.sets,
+                             [](const FallingSet& set) { return set.shapes.empty() && sphere_count(set) > 0; });
+}
+
+/// How many bodies of a set have shape number `k`.
+std::uint64_t count_of(const FallingSet& set, std::size_t k) {
+  std::uint64_t out = 0;
+  for (const std::int64_t count : {set.lying[0] * set.lying[1], set.above[0] * set.above[1] * set.above[2]})
+    out += std::uint64_t(count) / set.shapes.size() + (k < std::uint64_t(count) % set.shapes.size());
+  return out;
 }
 
 SceneSize size(const SceneConfig& config) {
@@ -253,14 +262,10 @@ SceneSize size(const SceneConfig& config) {
   add(1, mesh_size(BoxShape{}), "plate");
   for (const FallingObstacle& obstacle : scene.obstacles) add_body(1, obstacle.body, true);
   for (const FallingSet& set : scene.sets) {
-    if (set.shapes.empty()) {
-      add(std::uint64_t(sphere_count(set)), mesh_size(SphereShape{scene.radius, scene.segments}), "sphere");
-      continue;
-    }
-    const std::uint64_t kinds = set.shapes.size();
-    for (const std::uint64_t count :
-         {std::uint64_t(set.lying[0] * set.lying[1]), std::uint64_t(set.above[0] * set.above[1] * set.above[2])})
-      for (std::uint64_t k = 0; k < kinds; ++k) add_body(count / kinds + (k < count % kinds), set.shapes[k], false);
+    const std::uint64_t spheres = set.shapes.empty() ? std::uint64_t(sphere_count(set)) : 0;
+    if (spheres > 0) add(spheres, mesh_size(SphereShape{scene.radius, scene.segments}), "sphere");
+    for (std::size_t k = 0; k < set.shapes.size(); ++k)
+      if (const std::uint64_t count = count_of(set, k); count > 0) add_body(count, set.shapes[k], false);
   }
   return out;
 }
@@ -273,12 +278,12 @@ class Meshes {
     for (const geometry::Mesh& mesh : bodies.meshes) names_.insert(mesh.name);
   }
 
-  /// The number of a body's mesh, made when it is the first of its kind.
-  std::uint32_t of(const FallingBody& body, bool fixed) {
+  /// The number of a body's mesh, made when it is the first of its kind and then called `called` or something like it.
+  std::uint32_t of(const FallingBody& body, bool fixed, const std::string& called) {
     const auto [at, fresh] = known_.emplace(key_of(body, fixed), std::uint32_t(bodies_.meshes.size()));
     if (!fresh) return at->second;
-    std::string name = name_of(body);
-    for (int i = 2; !names_.insert(name).second; ++i) name = name_of(body) + "_" + std::to_string(i);
+    std::string name = called;
+    for (int i = 2; !names_.insert(name).second; ++i) name = called.substr(0, 56) + "_" + std::to_string(i);
     geometry::Mesh mesh = body.shape ? make_mesh(*body.shape, name) : mesh_read(scene_, body);
     mesh.name = name;
     if (has_contact_spheres(body, fixed))
@@ -338,12 +343,15 @@ Scene make(const SceneConfig& config) {
     state.orientation = {q.w, q.x, q.y, q.z};
   };
 
-  const RigidBody floor{.fixed = true, .sphere = false, .half_extents = {plate[0] / 2, plate[1] / 2, plate[2] / 2}};
+  RigidBody floor;
+  floor.fixed = true;
+  floor.sphere = false;
+  floor.half_extents = {plate[0] / 2, plate[1] / 2, plate[2] / 2};
   add("plate", 0, floor, 0, -plate[1] / 2, 0);
 
   Meshes meshes(config, bodies);
   for (const FallingObstacle& obstacle : falling.obstacles) {
-    const std::uint32_t mesh = meshes.of(obstacle.body, true);
+    const std::uint32_t mesh = meshes.of(obstacle.body, true, obstacle.name);
     const auto& [x, y, z] = obstacle.position;
     add(obstacle.name, mesh, meshes.rigid(obstacle.body, true, mesh), x, y, z);
     scene.states.back().orientation = obstacle.orientation;
@@ -359,11 +367,14 @@ Scene make(const SceneConfig& config) {
   };
   for (std::size_t s = 0; s < falling.sets.size(); ++s) {
     const FallingSet& set = falling.sets[s];
+    if (sphere_count(set) == 0) continue;
     std::vector<Kind> kinds;
     if (set.shapes.empty()) kinds.push_back(sphere());
-    for (const FallingBody& body : set.shapes) {
-      const std::uint32_t mesh = meshes.of(body, false);
-      kinds.push_back({mesh, meshes.rigid(body, false, mesh), -geometry::local_box(bodies.meshes[mesh]).min.y()});
+    for (std::size_t k = 0; k < set.shapes.size(); ++k) {
+      if (count_of(set, k) == 0) break;  // nor has any that follows
+      const std::uint32_t mesh = meshes.of(set.shapes[k], false, name_of(set.shapes[k]));
+      kinds.push_back(
+          {mesh, meshes.rigid(set.shapes[k], false, mesh), -geometry::local_box(bodies.meshes[mesh]).min.y()});
     }
     const std::string prefix = "set" + std::to_string(s + 1);
     std::size_t number = 0;
@@ -398,11 +409,8 @@ double fall_time(double metres, double gravity, double damping) {
   return high;
 }
 
-/// The height of what stands in the middle below a set: 0 for the plate.
-double ground(const FallingScene& falling, const FallingSet& set) {
-  const double across = set.spacing / 2;
-  const double x = set.corner[0] + across * double(set.above[0] - 1),
-               z = set.corner[1] + across * double(set.above[2] - 1);
+/// The height of what stands at a place of the plate, below `top`: 0 for the plate.
+double ground(const FallingScene& falling, double x, double z, double top) {
   double out = 0;
   for (const FallingObstacle& obstacle : falling.obstacles) {
     const geometry::Mesh mesh =
@@ -421,26 +429,41 @@ double ground(const FallingScene& falling, const FallingSet& set) {
         y += weight[k] * world[facet[k]].y();
       }
       const auto inside = [&](double w) { return w / sum >= 0; };
-      if (sum != 0 && std::ranges::all_of(weight, inside) && y / sum < set.height) out = std::max(out, y / sum);
+      if (sum != 0 && std::ranges::all_of(weight, inside) && y / sum < top) out = std::max(out, y / sum);
     }
   }
   return out;
 }
 
-/// Metres that the lowest of a set's upper spheres falls freely: to those that lie, beside them by `shift`, or to the
-/// plate. Other bodies: half their height on average.
-double drop(const FallingScene& falling, const FallingSet& set) {
-  double r = falling.radius;
-  if (!set.shapes.empty()) {
-    double sum = 0;
-    for (const FallingBody& body : set.shapes)
-      sum += geometry::local_box(body.shape ? make_mesh(*body.shape, "") : mesh_read(falling, body)).half_size().mean();
-    r = sum / double(set.shapes.size());
+/// The same of the middle and the corners of a set's upper bodies.
+double ground(const FallingScene& falling, const FallingSet& set) {
+  double out = 0;
+  if (falling.obstacles.empty()) return out;
+  const double x = set.corner[0] + falling.shift, dx = set.spacing * double(set.above[0] - 1);
+  const double z = set.corner[1] + falling.shift, dz = set.spacing * double(set.above[2] - 1);
+  for (const auto& [i, k] : {std::pair{0., 0.}, {1., 0.}, {0., 1.}, {1., 1.}, {0.5, 0.5}})
+    out = std::max(out, ground(falling, x + i * dx, z + k * dz, set.height));
+  return out;
+}
+
+/// The radius of a set's spheres; of other bodies half their side, on average.
+double radius_of(const FallingScene& falling, const FallingSet& set) {
+  if (set.shapes.empty()) return falling.radius;
+  double sum = 0;
+  for (const FallingBody& body : set.shapes) {
+    const geometry::Mesh mesh = body.shape ? make_mesh(*body.shape, "") : mesh_read(falling, body);
+    const geometry::Vec3 half = geometry::local_box(mesh).half_size();
+    sum += (half.x() + half.y() + half.z()) / 3;
   }
-  const double aside = 2 * falling.shift * falling.shift;
+  return sum / double(set.shapes.size());
+}
+
+/// Metres that the lowest of a set's upper spheres falls freely: to those that lie, beside them by `shift`, or to the
+/// plate.
+double drop(const FallingScene& falling, const FallingSet& set) {
+  const double r = radius_of(falling, set), aside = 2 * falling.shift * falling.shift;
   const bool meets = set.lying[0] > 0 && set.lying[1] > 0 && aside < 4 * r * r;
-  const double below = falling.obstacles.empty() ? 0 : ground(falling, set);
-  return set.height - below - r - (meets ? std::sqrt(4 * r * r - aside) : 0);
+  return set.height - ground(falling, set) - r - (meets ? std::sqrt(4 * r * r - aside) : 0);
 }
 
 std::vector<Ahead> ahead(const SceneConfig& config) {
@@ -470,15 +493,17 @@ std::vector<Ahead> ahead(const SceneConfig& config) {
 
 /// Every set has just landed; pressed together, near pairs that do not meet cost answers the most.
 void hurry(const SceneConfig& config, std::vector<BodyState>& states, bool pressed) {
-  constexpr double kPressed = 2.02;  // radii from middle to middle
+  // Radii from middle to middle; other bodies than spheres stand further apart at first, and fall together.
+  constexpr double kPressed = 2.02, kTogether = 2.6;
   const FallingScene& falling = std::get<FallingScene>(config.scene);
   const double gravity = -config.physics.gravity[1];
   std::size_t body = 1 + falling.obstacles.size();
   for (const FallingSet& set : falling.sets) {
     body += std::size_t(set.lying[0] * set.lying[1]);
     const std::array<double, 3> from{set.corner[0] + falling.shift, set.height, set.corner[1] + falling.shift};
-    const double metres = drop(falling, set),
-                 closer = pressed ? std::min(1.0, kPressed * falling.radius / set.spacing) : 1;
+    const bool spheres = set.shapes.empty();
+    const double near = (spheres ? kPressed : kTogether) * radius_of(falling, set) / set.spacing;
+    const double metres = drop(falling, set), closer = pressed || !spheres ? std::min(1.0, near) : 1;
     const std::size_t end = body + std::size_t(set.above[0] * set.above[1] * set.above[2]);
     for (; body < end; ++body) {
       if (!(metres > 0 && gravity > 0)) continue;

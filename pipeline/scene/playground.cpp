@@ -346,7 +346,8 @@ SceneSize size(const SceneConfig& config) {
   }
   for (const std::uint32_t shape : shapes.of_body) size.body_vertices += mesh_size(shapes.distinct[shape]).vertices;
   size.pairs = size.bodies - 1;
-  for (const Pass& pass : all_passes(scene)) size.passes += pass.first_step + pass.samples <= config.steps;
+  const auto whole = [&](const Pass& pass) { return pass.first_step + pass.samples <= config.steps; };
+  if (const auto passes = std::ranges::count_if(all_passes(scene), whole)) size.asked["passes"] = std::uint64_t(passes);
   return size;
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "geometry/bodies.hpp"
 #include "geometry/decision/contain.hpp"
 #include "pipeline/physics/simulate.hpp"
+#include "pipeline/result/products/extremes.hpp"
 #include "pipeline/scene/document.hpp"
 #include "pipeline/scene/scene_config.hpp"
 #include "pipeline/scene/script.hpp"
@@ -52,8 +54,7 @@ struct SceneSize {
   std::uint64_t bodies = 0, meshes = 0;
   std::uint64_t mesh_vertices = 0, mesh_triangles = 0;  // of the distinct meshes
   std::uint64_t body_vertices = 0;                      // over all bodies
-  std::uint64_t passes = 0;                             // of scripted scenes
-  std::uint64_t case_sets = 0;                          // of scenes of extremes
+  std::map<std::string, std::uint64_t> asked = {};      // of products: how many; their rows know the names
   std::optional<std::uint64_t> pairs = {};              // asked about at a step; absent: all that the bodies make
   std::vector<geometry::Bodies> alone =
       {};  // of extremes: the distinct pairs of bodies, one of which is there at a step

@@ -35,8 +35,4 @@ struct CaseSet {
   geometry::Vec3 moved = geometry::Vec3::Zero();    // m: a + moved and b + moved are exact
 };
 
-/// Within that many ulps of touching a pair is counted apart: methods that round elsewhere are not charged with our
-/// convention.
-constexpr std::int64_t kNearUlps = 1000;
-
 }  // namespace pipeline

@@ -9,6 +9,7 @@
 
 #include "geometry/bodies.hpp"
 #include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/products/extremes.hpp"
 #include "pipeline/result/result.hpp"
 #include "pipeline/scene/script.hpp"
 #include "pipeline/stages/choice.hpp"
@@ -35,37 +36,5 @@ ExtremesDetected detect_extremes(const geometry::Bodies& bodies, const std::vect
                                  const Truth& truth, const std::vector<CaseSet>& sets,
                                  const std::vector<AlgorithmChoice>& choices, std::int64_t repeats,
                                  const Machine& machine, const Checkpoint* part, Progress& progress);
-
-/// One algorithm over some cases.
-struct ExtremesCount {
-  std::uint64_t cases = 0, true_positive = 0, false_positive = 0, false_negative = 0, failed = 0;
-
-  double error() const;  // of the cases that did not fail; NaN when there is none
-};
-
-/// Counts the cases that `chosen` says.
-template <class Chosen>
-ExtremesCount count(const Extremes& extremes, std::size_t algorithm, Chosen chosen) {
-  ExtremesCount out;
-  const ExtremeAnswers& said = extremes.answers[algorithm];
-  for (std::size_t s = 0; s < extremes.rows.size(); ++s) {
-    const ExtremeCase& row = extremes.rows[s];
-    if (!chosen(row)) continue;
-    ++out.cases;
-    out.failed += said.failed[s] != 0;
-    if (said.failed[s]) continue;
-    out.true_positive += said.reported[s] && row.truth;
-    out.false_positive += said.reported[s] && !row.truth;
-    out.false_negative += !said.reported[s] && row.truth;
-  }
-  return out;
-}
-
-/// What an algorithm's answers are worth besides being right; over all cases that did not fail.
-struct ExtremesInstability {
-  std::uint64_t swapped = 0;  // answers that change with the order of the pair
-  std::uint64_t moved = 0;    // that change when both are moved, while the truth does not
-};
-ExtremesInstability instability(const Extremes& extremes, std::size_t algorithm);
 
 }  // namespace pipeline

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/result/checkpoint.hpp"
+#include "pipeline/result/products/physics.hpp"
 #include "pipeline/result/result.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/terminal/progress.hpp"

@@ -62,8 +62,9 @@ std::uint64_t count(const std::vector<bool>& samples) {
 
 /// The counts of samples, and where `span_in` says that reports of a pass begin and end.
 template <class SpanIn>
-PassAnswers pass_answers(const std::vector<Pass>& passes, const Truth& truth, const std::vector<PassRow>& rows,
-                         const Answers& answers, SpanIn span_in) {
+PassAnswers answers_of(const std::vector<Pass>& passes, const Truth& truth, const std::vector<PassRow>& rows,
+                       const Answers& answers, SpanIn span_in) {
+  assert(rows.size() == passes.size() && "a row per pass");
   PassAnswers out;
   for (std::size_t p = 0; p < passes.size(); ++p) {
     const std::vector<bool> meets = samples_in(truth.hits, passes[p]), reported = samples_in(answers.hits, passes[p]);
@@ -79,6 +80,33 @@ PassAnswers pass_answers(const std::vector<Pass>& passes, const Truth& truth, co
     out.last.push_back(span ? rows[p].truth_last - span->last : kNaN);
   }
   return out;
+}
+
+/// Of a method that has not failed. Throws Fault.
+PassAnswers answered(const geometry::Bodies& bodies, const Poses& poses, const Truth& truth,
+                     const std::vector<Pass>& passes, const std::vector<PassRow>& rows, const Answers& answers,
+                     const AlgorithmChoice& choice, Progress& progress) {
+  std::unique_ptr<algorithms::Method> method;
+  try {
+    method = make_method(choice, bodies);
+  } catch (const std::bad_alloc&) {
+    throw OutOfMemory(choice, bodies);
+  }
+  std::vector<Pair> found;
+  return answers_of(passes, truth, rows, answers, [&](const Pass& pass, const std::vector<bool>& reported) {
+    stop_if_wanted();
+    progress.add(1);
+    const Pair pair = pair_of(pass);
+    const geometry::PairRun run{pair.a, pair.b, pair.b + 1};
+    std::vector<Pose> at = poses[std::size_t(pass.first_step)];
+    return span_of(pass, reported, kAlgorithmTolerance, [&](double metres) {
+      at[pass.hero] = pose_at(pass, metres);
+      found.clear();
+      method->prepare(at);
+      method->answer({&run, 1}, found);
+      return !found.empty();
+    });
+  });
 }
 
 }  // namespace
@@ -111,35 +139,24 @@ std::vector<PassRow> pass_rows(const geometry::Bodies& bodies, const Poses& pose
 }
 
 PassAnswers pass_answers(const geometry::Bodies& bodies, const Poses& poses, const Truth& truth,
-                         const std::vector<Pass>& passes, const std::vector<PassRow>& rows, const Answers& answers,
+                         const std::vector<Pass>& passes, const std::vector<PassRow>& rows, Answers& answers,
                          const AlgorithmChoice& choice, Progress& progress) {
-  assert(rows.size() == passes.size() && "a row per pass");
-  std::unique_ptr<algorithms::Method> method;
   try {
-    method = algorithms::find(choice.name)->make(bodies, choice.knobs);
-  } catch (const std::bad_alloc&) {
-    throw OutOfMemory(choice, bodies);
+    if (!failed(answers)) return answered(bodies, poses, truth, passes, rows, answers, choice, progress);
+  } catch (const Fault& fault) {
+    answers.foreign->reason = std::string("between the samples of a pass: ") + fault.what();
   }
-  std::vector<Pair> found;
-  return pass_answers(passes, truth, rows, answers, [&](const Pass& pass, const std::vector<bool>& reported) {
-    stop_if_wanted();
-    progress.add(1);
-    const Pair pair = pair_of(pass);
-    const geometry::PairRun run{pair.a, pair.b, pair.b + 1};
-    std::vector<Pose> at = poses[std::size_t(pass.first_step)];
-    return span_of(pass, reported, kAlgorithmTolerance, [&](double metres) {
-      at[pass.hero] = pose_at(pass, metres);
-      found.clear();
-      method->prepare(at);
-      method->answer({&run, 1}, found);
-      return !found.empty();
-    });
-  });
+  PassAnswers unknown;
+  unknown.first.assign(rows.size(), std::numeric_limits<double>::quiet_NaN());
+  unknown.last = unknown.first;
+  unknown.flicker.assign(rows.size(), 0);
+  unknown.hits = unknown.flicker;
+  return unknown;
 }
 
 PassAnswers sampled_pass_answers(const std::vector<Pass>& passes, const Truth& truth, const std::vector<PassRow>& rows,
                                  const Answers& answers) {
-  return pass_answers(passes, truth, rows, answers, [](const Pass& pass, const std::vector<bool>& reported) {
+  return answers_of(passes, truth, rows, answers, [](const Pass& pass, const std::vector<bool>& reported) {
     std::optional<Span> span =
         span_of(pass, reported, std::numeric_limits<double>::infinity(), [](double) { return true; });
     if (!span) return span;
@@ -148,35 +165,6 @@ PassAnswers sampled_pass_answers(const std::vector<Pass>& passes, const Truth& t
     if (!reported.back()) span->last += half;
     return span;
   });
-}
-
-TargetSummary summarise(const std::vector<PassRow>& rows, const PassAnswers& answers, const std::string& target) {
-  TargetSummary out;
-  std::vector<double> first;
-  for (std::size_t p = 0; p < rows.size(); ++p) {
-    if (rows[p].target != target) continue;
-    const bool met = rows[p].truth_hits > 0, reported = answers.hits[p] > 0;
-    ++out.passes;
-    out.met += met;
-    out.missed += met && !reported;
-    out.false_positives += !met && reported;
-    out.flicker += answers.flicker[p];
-    if (met && reported) first.push_back(answers.first[p]);
-  }
-  out.median = out.earliest = out.latest = std::numeric_limits<double>::quiet_NaN();
-  if (first.empty()) return out;
-  std::ranges::sort(first);
-  out.median = median(first);
-  out.earliest = first.back();
-  out.latest = first.front();
-  return out;
-}
-
-std::vector<std::string> targets(const std::vector<PassRow>& rows) {
-  std::vector<std::string> out;
-  for (const PassRow& row : rows)
-    if (std::ranges::find(out, row.target) == out.end()) out.push_back(row.target);
-  return out;
 }
 
 }  // namespace pipeline

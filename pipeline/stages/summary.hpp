@@ -1,24 +1,10 @@
 // The score stage: from answers per step to one row of the summary.
 #pragma once
-#include <cstddef>
-#include <numeric>
-#include <vector>
+#include <cstdint>
 
 #include "pipeline/result/result.hpp"
 
 namespace pipeline {
-
-template <class T>
-T total(const std::vector<T>& column) {
-  return std::accumulate(column.begin(), column.end(), T{0});
-}
-
-/// Of at least one value, sorted.
-template <class T>
-double median(const std::vector<T>& sorted) {
-  const std::size_t n = sorted.size();
-  return n % 2 ? double(sorted[n / 2]) : 0.5 * (double(sorted[n / 2 - 1]) + double(sorted[n / 2]));
-}
 
 /// The summary of one algorithm over all pairs and steps. `pairs` is the number of pairs that are judged (below): what
 /// is neither reported nor true among them is a true negative.

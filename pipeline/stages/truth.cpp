@@ -6,6 +6,7 @@
 
 #include "geometry/decision/gap.hpp"
 #include "geometry/decision/meet.hpp"
+#include "pipeline/result/products/gaps.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/system/threads.hpp"
 #include "pipeline/terminal/error.hpp"
@@ -30,8 +31,7 @@ struct TruthChunk {
     if (gaps) {
       out.put(gaps->pairs.offset);
       out.put(gaps->pairs.pair);
-      out.put(gaps->lower);
-      out.put(gaps->upper);
+      each_gap_column([&](const auto& column) { out.put((*gaps).*column.member); });
     }
     return out.bytes;
   }
@@ -54,8 +54,8 @@ struct TruthChunk {
       chunk.gaps->pairs.offset = in.get<std::uint64_t>();
       chunk.gaps->pairs.pair = in.get<Pair>();
       in.require(sound(chunk.gaps->pairs, steps, bodies));
-      chunk.gaps->lower = in.get<double>(chunk.gaps->pairs.pair.size());
-      chunk.gaps->upper = in.get<double>(chunk.gaps->pairs.pair.size());
+      each_gap_column(
+          [&](const auto& column) { (*chunk.gaps).*column.member = in.get<double>(chunk.gaps->pairs.pair.size()); });
     }
     return chunk;
   }
@@ -163,8 +163,10 @@ Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geome
     if (!truth.gaps) continue;
     GapLists& gaps = *truth.gaps;
     gaps.pairs.append_steps(chunk.gaps->pairs);
-    gaps.lower.insert(gaps.lower.end(), chunk.gaps->lower.begin(), chunk.gaps->lower.end());
-    gaps.upper.insert(gaps.upper.end(), chunk.gaps->upper.begin(), chunk.gaps->upper.end());
+    each_gap_column([&](const auto& column) {
+      const std::vector<double>& more = (*chunk.gaps).*column.member;
+      (gaps.*column.member).insert((gaps.*column.member).end(), more.begin(), more.end());
+    });
   }
   return truth;
 }

@@ -199,7 +199,7 @@ Setting two_balls(const StudyRow& row) {
 /// Balls one on the other, touching without load, on a floor: they sink into each other and settle.
 Setting stack(const StudyRow& row) {
   const int count = static_cast<int>(row.balls);
-  Column column;
+  BallColumn column;
   double mass = 0, energy = 0;
   for (int i = 0; i < count; ++i) {
     const double one = ball_mass(row.radius) * (i == count - 1 ? row.mass_ratio : 1);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pipeline/physics/simulate.hpp"
-#include "pipeline/result/result.hpp"
+#include "pipeline/result/products/study.hpp"
 #include "pipeline/scene/document.hpp"
 
 namespace pipeline {

@@ -250,7 +250,7 @@ std::array<double, 4> top_orientation_by_steps(const std::array<double, 3>& iner
   return out;
 }
 
-std::vector<double> column_heights(const Column& column, double time, std::size_t most_forces) {
+std::vector<double> column_heights(const BallColumn& column, double time, std::size_t most_forces) {
   const std::size_t count = column.mass.size();
   const double greatest = *std::ranges::max_element(column.radius);
   Extended state(2 * count);

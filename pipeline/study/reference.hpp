@@ -43,7 +43,7 @@ std::array<double, 4> top_orientation_by_steps(const std::array<double, 3>& iner
                                                double time);
 
 /// Balls one above the other on a line, the lowest first, above a floor at height 0 where `floor`.
-struct Column {
+struct BallColumn {
   std::vector<double> mass, radius, height, speed;  // kg, m, m (of the centre), m/s upwards
   double stiffness = 1e8, dissipation = 0;          // as Material's
   double gravity = 0;                               // m/s^2 downwards
@@ -56,6 +56,6 @@ struct Column {
 /// Pa); at 1e13 Pa ten balls part and meet so often that every rounding grows to 4e-6 m, and no solver knows better.
 /// Throws std::range_error when it would take more than `most_forces` (a million take 0.04 s), or when two centres
 /// meet: Simbody's balls pass through each other then, and their force jumps.
-std::vector<double> column_heights(const Column& column, double time, std::size_t most_forces = 200'000'000);
+std::vector<double> column_heights(const BallColumn& column, double time, std::size_t most_forces = 200'000'000);
 
 }  // namespace pipeline

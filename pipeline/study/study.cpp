@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include "pipeline/result/layout.hpp"
 #include "pipeline/study/problem.hpp"
 #include "pipeline/system/child.hpp"
 #include "pipeline/terminal/words.hpp"

@@ -5,8 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/physics/simulate.hpp"
 #include "pipeline/result/checkpoint.hpp"
-#include "pipeline/result/result.hpp"
+#include "pipeline/result/products/study.hpp"
 #include "pipeline/scene/document.hpp"
 #include "pipeline/terminal/progress.hpp"
 #include "pipeline/terminal/words.hpp"

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "pipeline/physics/simulate.hpp"
-#include "pipeline/result/layout.hpp"
 #include "pipeline/study/problem.hpp"
 #include "pipeline/study/study.hpp"
 #include "pipeline/terminal/words.hpp"

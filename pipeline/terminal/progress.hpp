@@ -28,8 +28,8 @@ struct Shown {
   static Shown on_stderr(bool quiet);
 };
 
-/// "motion   [####......]  40 %  123 steps/s  about 0:12 left of the run" of a stage with that many items. The time left
-/// is that of the whole run where `forecast` knows the stage, else of the stage. add() may be called from several
+/// "motion   [####......]  40 %  123 steps/s  about 0:12 left of the run" of a stage with that many items. The time
+/// left is that of the whole run where `forecast` knows the stage, else of the stage. add() may be called from several
 /// threads.
 class Progress {
  public:

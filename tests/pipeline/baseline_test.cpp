@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "pipeline/commands/score.hpp"
+#include "pipeline/result/products/passes.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "tests/support/synthetic_result.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -117,9 +118,9 @@ TEST(Baseline, TellsPassesAndContainmentApart) {
   const TemporaryFolder folder;
   Result result = synthetic_result();
   score(result, folder / "b.json", kWrite);
-  result.passes.emplace();
-  result.passes->rows.push_back({"cube", "x", "along", 0, 0, 3, 1, 2, 1});
-  result.passes->answers.assign(3, {{0.5}, {-0.25}, {0}, {2}});
+  result.products.put<Passes>({});
+  result.products.find<Passes>()->rows.push_back({"cube", "x", "along", 0, 0, 3, 1, 2, 1});
+  result.products.find<Passes>()->answers.assign(3, {{0.5}, {-0.25}, {0}, {2}});
   result.truth.containment = Containment::record;
   for (std::size_t s = 0; s < result.steps(); ++s) result.truth.contained.append({});
   for (std::size_t a = 0; a < 3; ++a) {
@@ -129,12 +130,12 @@ TEST(Baseline, TellsPassesAndContainmentApart) {
   EXPECT_FALSE(score(result, folder / "b.json", {}).same());
   score(result, folder / "b.json", kWrite);
   EXPECT_TRUE(score(result, folder / "b.json", {}).same());
-  result.passes->answers[2].first[0] = std::numeric_limits<double>::quiet_NaN();
+  result.products.find<Passes>()->answers[2].first[0] = std::numeric_limits<double>::quiet_NaN();
   const Score found = score(result, folder / "b.json", {});
   ASSERT_EQ(found.changes.size(), 1u);
   EXPECT_EQ(found.changes[0].key, "passes_digest");
-  result.passes->answers[2].first[0] = 0.5;
-  result.passes->rows[0].truth_first = 1.5;
+  result.products.find<Passes>()->answers[2].first[0] = 0.5;
+  result.products.find<Passes>()->rows[0].truth_first = 1.5;
   EXPECT_EQ(score(result, folder / "b.json", {}).changes.at(0).of, "truth");
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "pipeline/result/layout.hpp"
 #include "tests/support/synthetic_result.hpp"
 
 namespace pipeline {
@@ -143,7 +144,8 @@ TEST(Digests, DoNotSeeTheClockNorTheMachine) {
               r.truth.time_ns[0] = 1;
               r.answers[0].time_ns[0] = r.answers[0].time_median_ns[0] = r.answers[0].prepare_ns[0] = 1;
               r.summary[0].time_mean_ns = r.summary[0].time_median_ns = r.summary[0].time_p95_ns = 1;
-              r.physics->rows[0].time_ns = r.physics->rows[0].contact_time_ns = 1;
+              r.products.find<PhysicsRows>()->rows[0].time_ns =
+                  r.products.find<PhysicsRows>()->rows[0].contact_time_ns = 1;
               r.answers[0].machine.host = r.provenance.host = r.provenance.compiler = "another";
               r.provenance.wall_time_s = 1;
               r.config_text += "# a comment";
@@ -166,8 +168,8 @@ TEST(Digests, SeeEveryAnswer) {
   EXPECT_EQ(changed([](Result& r) { r.answers[1].hits.pair[0].b += 1; }), (Paths{"/", "/answers/method_2"}));
   EXPECT_EQ(changed([](Result& r) { r.answers[1].operations[2] += 1; }), (Paths{"/"}));
   EXPECT_EQ(changed([](Result& r) { r.summary[1].promise_kept = true; }), (Paths{"/"}));
-  EXPECT_EQ(changed([](Result& r) { r.physics->rows[2].energy += 1; }), (Paths{"/"}));
-  EXPECT_EQ(changed([](Result& r) { r.physics.reset(); }), (Paths{"/"}));
+  EXPECT_EQ(changed([](Result& r) { r.products.find<PhysicsRows>()->rows[2].energy += 1; }), (Paths{"/"}));
+  EXPECT_EQ(changed([](Result& r) { r.products.drop<PhysicsRows>(); }), (Paths{"/"}));
   EXPECT_EQ(changed([](Result& r) { r.bodies.name[1] = "another"; }), (Paths{"/"}));
   EXPECT_EQ(changed([](Result& r) { r.bodies.meshes[0].vertices[0].x() = 0.5; }), (Paths{"/"}));
   EXPECT_EQ(changed([](Result& r) { std::swap(r.bodies.meshes[0].triangles[0], r.bodies.meshes[0].triangles[1]); }),

@@ -89,8 +89,8 @@ TEST(Interval, OfManyIndependentStepsIsTheNormalOne) {
   EXPECT_NEAR(mean.value, 1e6, 4 * half);
 }
 
-// tests/interval_trials.py has the trials with noise as it was measured; this would see a quantile or an error that is off by
-// a fifth. 400 trials of a 95 % interval give 380 +- 4.4.
+// tests/interval_trials.py has the trials with noise as it was measured; this would see a quantile or an error that is
+// off by a fifth. 400 trials of a 95 % interval give 380 +- 4.4.
 TEST(Interval, HoldsTheTrueRatioInNineteenOfTwentyTrials) {
   geometry::Random random(6);
   int held = 0;

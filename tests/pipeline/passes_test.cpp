@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "pipeline/config.hpp"
+#include "pipeline/result/products/physics.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/run.hpp"
 #include "pipeline/scene/scene.hpp"
@@ -44,7 +45,7 @@ struct Fixture {
     Progress quiet("detect", 1, true);
     return detect(scene.bodies, scene.script, truth, {parse_algorithm(algorithm)}, 1, {}, nullptr, quiet)[0];
   }
-  PassAnswers measured(const std::string& algorithm, const Answers& answers) const {
+  PassAnswers measured(const std::string& algorithm, Answers answers) const {
     Progress quiet("passes", 1, true);
     return pass_answers(scene.bodies, scene.script, truth, scene.passes, rows, answers, parse_algorithm(algorithm),
                         quiet);
@@ -222,29 +223,31 @@ TEST(Passes, ADifferentStepFindsTheSamePositions) {
 TEST(Passes, WrittenReadAndWrittenAgainAreTheSameBytes) {
   const double kNaN = std::numeric_limits<double>::quiet_NaN();
   Result result = synthetic_result();
-  result.passes.emplace();
-  result.passes->rows = {{"cube", "x", "along", 1.7, 0, 3, 1.25, 2.5, 2}, {"torus", "up", "given", 0, 3, 4}};
-  for (double a = 0; a < 3; ++a) result.passes->answers.push_back({{0.25 + a, kNaN}, {-a, kNaN}, {1, 2}, {3, 4}});
+  result.products.put<Passes>({});
+  result.products.find<Passes>()->rows = {{"cube", "x", "along", 1.7, 0, 3, 1.25, 2.5, 2},
+                                          {"torus", "up", "given", 0, 3, 4}};
+  for (double a = 0; a < 3; ++a)
+    result.products.find<Passes>()->answers.push_back({{0.25 + a, kNaN}, {-a, kNaN}, {1, 2}, {3, 4}});
 
   const TemporaryFolder folder;
   write_result(result, folder / "a.h5");
   Result again = read_result(folder / "a.h5");
-  ASSERT_TRUE(again.passes);
-  ASSERT_EQ(again.passes->rows.size(), 2u);
-  EXPECT_EQ(again.passes->rows[1].target, "torus");
-  EXPECT_EQ(again.passes->rows[1].orientation, "given");
-  EXPECT_EQ(again.passes->rows[1].first_step, 3u);
-  EXPECT_EQ(again.passes->rows[0].truth_last, 2.5);
-  EXPECT_TRUE(std::isnan(again.passes->rows[1].truth_first));
-  EXPECT_EQ(again.passes->answers[2].first[0], 2.25);
-  EXPECT_EQ(again.passes->answers[1].last[0], -1);
-  EXPECT_TRUE(std::isnan(again.passes->answers[0].first[1]));
-  EXPECT_EQ(again.passes->answers[0].hits, (std::vector<std::uint64_t>{3, 4}));
+  ASSERT_TRUE(again.products.find<Passes>());
+  ASSERT_EQ(again.products.find<Passes>()->rows.size(), 2u);
+  EXPECT_EQ(again.products.find<Passes>()->rows[1].target, "torus");
+  EXPECT_EQ(again.products.find<Passes>()->rows[1].orientation, "given");
+  EXPECT_EQ(again.products.find<Passes>()->rows[1].first_step, 3u);
+  EXPECT_EQ(again.products.find<Passes>()->rows[0].truth_last, 2.5);
+  EXPECT_TRUE(std::isnan(again.products.find<Passes>()->rows[1].truth_first));
+  EXPECT_EQ(again.products.find<Passes>()->answers[2].first[0], 2.25);
+  EXPECT_EQ(again.products.find<Passes>()->answers[1].last[0], -1);
+  EXPECT_TRUE(std::isnan(again.products.find<Passes>()->answers[0].first[1]));
+  EXPECT_EQ(again.products.find<Passes>()->answers[0].hits, (std::vector<std::uint64_t>{3, 4}));
   write_result(again, folder / "b.h5");
   EXPECT_EQ(bytes(folder / "a.h5"), bytes(folder / "b.h5"));
 
   // They count into the root's digest.
-  again.passes->answers[0].flicker[1] = 9;
+  again.products.find<Passes>()->answers[0].flicker[1] = 9;
   write_result(again, folder / "c.h5");
   EXPECT_NE(again.digest, result.digest);
 }
@@ -257,14 +260,14 @@ TEST(Passes, DetectAddsTheSameColumnsThatARunWrites) {
   detect_again(folder / "one.h5", {"facet_distance"}, {.output = {}, .quiet = true});
   const Result added = read_result(folder / "one.h5");
   const Result both = run(config(h + k), {.output = folder / "both.h5", .quiet = true});
-  ASSERT_TRUE(added.passes && both.passes);
-  EXPECT_FALSE(both.physics);
-  ASSERT_EQ(added.passes->answers.size(), 2u);
+  ASSERT_TRUE(added.products.find<Passes>() && both.products.find<Passes>());
+  EXPECT_FALSE(both.products.find<PhysicsRows>());
+  ASSERT_EQ(added.products.find<Passes>()->answers.size(), 2u);
   for (std::size_t a = 0; a < 2; ++a) {
-    EXPECT_EQ(added.passes->answers[a].first[0], both.passes->answers[a].first[0]);
-    EXPECT_EQ(added.passes->answers[a].last[0], both.passes->answers[a].last[0]);
-    EXPECT_EQ(added.passes->answers[a].flicker, both.passes->answers[a].flicker);
-    EXPECT_EQ(added.passes->answers[a].hits, both.passes->answers[a].hits);
+    EXPECT_EQ(added.products.find<Passes>()->answers[a].first[0], both.products.find<Passes>()->answers[a].first[0]);
+    EXPECT_EQ(added.products.find<Passes>()->answers[a].last[0], both.products.find<Passes>()->answers[a].last[0]);
+    EXPECT_EQ(added.products.find<Passes>()->answers[a].flicker, both.products.find<Passes>()->answers[a].flicker);
+    EXPECT_EQ(added.products.find<Passes>()->answers[a].hits, both.products.find<Passes>()->answers[a].hits);
   }
   EXPECT_EQ(added.digest, both.digest);
 }

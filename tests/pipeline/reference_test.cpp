@@ -59,7 +59,7 @@ TEST(Reference, ADampedBounceLosesWhatItsFirstIntegralSays) {
   // m v dv = -K x^(3/2) (1 + a v) dx over x from 0 to 0 gives u + ln(1 - a u) / a = -v... : with a = 1.5 dissipation,
   // v - ln(1 + a v) / a = -u - ln(1 - a u) / a for speeds v before and u after.
   const double speed = 5, dissipation = 0.1, a = 1.5 * dissipation, time = 1, gap = 2;
-  pipeline::Column column{{4189}, {1}, {1 + gap}, {-speed}, 1e8, dissipation, 0, true};
+  pipeline::BallColumn column{{4189}, {1}, {1 + gap}, {-speed}, 1e8, dissipation, 0, true};
   const double later = column_heights(column, time)[0], still_later = column_heights(column, time + 0.5)[0];
   const double out = (still_later - later) / 0.5;
   EXPECT_LT(out, speed);
@@ -67,7 +67,7 @@ TEST(Reference, ADampedBounceLosesWhatItsFirstIntegralSays) {
 }
 
 TEST(Reference, TwoBallsInAColumnSwapSpeedsOfEqualMasses) {
-  const pipeline::Column column{{10, 10}, {0.5, 0.5}, {0, 3}, {2, -4}, 1e7, 0, 0, false};
+  const pipeline::BallColumn column{{10, 10}, {0.5, 0.5}, {0, 3}, {2, -4}, 1e7, 0, 0, false};
   const double first = 1, last = 1.5;
   const auto a = column_heights(column, first), b = column_heights(column, last);
   EXPECT_NEAR((b[0] - a[0]) / (last - first), -4, 1e-11);
@@ -82,10 +82,10 @@ TEST(Reference, AColumnAtRestStaysUnderItsHertzianLoad) {
 }
 
 TEST(Reference, BallsThatPassThroughEachOtherHaveNone) {
-  const pipeline::Column soft{{10, 10}, {0.5, 0.5}, {0, 3}, {2, -4}, 1e2, 0, 0, false};
+  const pipeline::BallColumn soft{{10, 10}, {0.5, 0.5}, {0, 3}, {2, -4}, 1e2, 0, 0, false};
   EXPECT_THROW(column_heights(soft, 1), std::range_error);
   // So stiff that steps that are tried, and refused, throw them past each other: that is no passing.
-  const pipeline::Column stiff{{4189, 4189, 4189}, {1, 1, 1}, {1, 3, 5}, {0, 0, 0}, 1e30, 0.1, 9.81};
+  const pipeline::BallColumn stiff{{4189, 4189, 4189}, {1, 1, 1}, {1, 3, 5}, {0, 0, 0}, 1e30, 0.1, 9.81};
   try {
     column_heights(stiff, 1, 10'000);
     FAIL() << "a second of it takes more";
@@ -95,7 +95,7 @@ TEST(Reference, BallsThatPassThroughEachOtherHaveNone) {
 }
 
 TEST(Reference, AColumnThatTakesTooLongIsGivenUp) {
-  const pipeline::Column column{{4189}, {1}, {3}, {-5}, 1e8, 0.1};
+  const pipeline::BallColumn column{{4189}, {1}, {3}, {-5}, 1e8, 0.1};
   EXPECT_THROW(column_heights(column, 1, 1000), std::range_error);
   EXPECT_EQ(column_heights(column, 1, 100'000), column_heights(column, 1));
 }

@@ -153,7 +153,7 @@ TEST(Extremes, SizeAndStepsAreKnownWithoutMakingIt) {
   EXPECT_EQ(size.mesh_vertices, vertices);
   EXPECT_EQ(size.mesh_triangles, triangles);
   EXPECT_EQ(size.body_vertices, body_vertices);
-  EXPECT_EQ(size.case_sets, scene.case_sets.size());
+  EXPECT_EQ(size.asked.at("case_sets"), scene.case_sets.size());
   EXPECT_EQ(config.steps, std::int64_t(scene.script.size()));
   EXPECT_EQ(scene.cases.size(), scene.script.size());
 

@@ -224,7 +224,7 @@ TEST(Playground, SizeIsKnownWithoutMakingIt) {
     EXPECT_EQ(size.mesh_vertices, vertices);
     EXPECT_EQ(size.mesh_triangles, triangles);
     EXPECT_EQ(size.body_vertices, body_vertices);
-    EXPECT_EQ(size.passes, scene.passes.size());
+    EXPECT_EQ(size.asked.at("passes"), scene.passes.size());
     EXPECT_EQ(size.pairs, geometry::pair_count(geometry::pair_runs(scene.bodies, scene.script[0])));
   }
 }

@@ -16,6 +16,16 @@ Config falling(const std::string& scene_keys = "") {
   return parse_config("[scene]\nkind = \"falling\"\n" + scene_keys, "test.toml");
 }
 
+// Three shapes, of which the two bodies that fall have the first two; the sphere of another set; two obstacles.
+constexpr char kSolids[] =
+    "density = 500\ncontact_spheres = 6\n"
+    "[[scene.obstacle]]\nname = 'post'\nshape = 'capsule'\nheight = 3\nradius = 0.5\nposition = [9, 1.5, 0]\n"
+    "[[scene.obstacle]]\nname = 'wall'\nshape = 'box'\nsize = [1, 2, 3]\nposition = [-9, 1, 0]\n"
+    "[[scene.set]]\nlying = [3, 1]\nabove = [1, 1, 2]\nspacing = 4\nturned = true\n"
+    "shapes = [{shape = 'box', size = [1, 2, 3]}, {shape = 'torus', diameter = 2, thickness = 0.5, density = 700},"
+    " {shape = 'box', size = [1, 2, 3], contact_spheres = 9}]\n"
+    "[[scene.set]]\nlying = [2, 1]\nabove = [0, 0, 0]\ncorner = [20, 20]\n";
+
 Scene made(const Config& config) { return config.scene_kind->make(config); }
 
 }  // namespace
@@ -102,7 +112,7 @@ TEST(FallingScene, ContactRadiusIsInscribedUnlessNominalIsAsked) {
 }
 
 TEST(FallingScene, SizeIsKnownWithoutMakingIt) {
-  for (const char* keys : {"", "segments = 4\n[[scene.set]]\nlying = [3, 2]\nabove = [0, 0, 0]\n"}) {
+  for (const char* keys : {"", "segments = 4\n[[scene.set]]\nlying = [3, 2]\nabove = [0, 0, 0]\n", kSolids}) {
     const Config config = falling(keys);
     const SceneSize size = config.scene_kind->size(config);
     const Scene scene = made(config);
@@ -115,4 +125,32 @@ TEST(FallingScene, SizeIsKnownWithoutMakingIt) {
     EXPECT_EQ(size.mesh_triangles, triangles);
     EXPECT_EQ(size.body_vertices, body_vertices);
   }
+}
+
+TEST(FallingScene, ShapesGoRoundAndLieOnThePlate) {
+  const Scene scene = made(falling(kSolids));
+  std::vector<std::string> meshes;
+  for (std::uint32_t b = 0; b < scene.bodies.size(); ++b) meshes.push_back(scene.bodies.mesh_of(b).name);
+  // The wall is touched as a box, so its mesh has no contact spheres.
+  EXPECT_EQ(meshes, (std::vector<std::string>{"plate", "post", "wall", "box", "torus", "box_2", "box", "torus",
+                                              "sphere", "sphere"}));
+  EXPECT_EQ(std::count(scene.bodies.fixed.begin(), scene.bodies.fixed.end(), 1), 3);
+  for (std::size_t b = 3; b < 6; ++b) {
+    const geometry::Mesh& mesh = scene.bodies.mesh_of(std::uint32_t(b));
+    EXPECT_EQ(scene.states[b].position[1], -geometry::local_box(mesh).min.y());
+    EXPECT_EQ(scene.states[b].orientation, (std::array<double, 4>{1, 0, 0, 0}));
+    EXPECT_EQ(scene.rigid[b].spheres.size(), mesh.contact_spheres.size());
+    EXPECT_LE(mesh.contact_spheres.size(), b == 5 ? 9u : 6u);
+  }
+  EXPECT_NE(scene.states[6].orientation, scene.states[7].orientation);
+  EXPECT_NEAR(scene.rigid[3].mass, 500 * 6, 1e-9);
+  EXPECT_GT(scene.rigid[4].mass, 700 * 0.9 * 2 * 9.8696 * 1 * 0.0625);  // a torus of 16 segments lacks some of it
+  EXPECT_TRUE(scene.rigid[2].spheres.empty());
+  EXPECT_FALSE(scene.rigid[2].sphere);
+}
+
+TEST(FallingScene, WritesItsShapesAsItReadsThem) {
+  const Config once = falling(kSolids), again = parse_config(once.effective, "again.toml");
+  EXPECT_EQ(again.effective, once.effective);
+  EXPECT_NE(once.effective.find("[[scene.set.shapes]]\nshape = \"torus\""), std::string::npos);
 }

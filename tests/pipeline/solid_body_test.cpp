@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 
+#include "geometry/bodies.hpp"
 #include "geometry/meshes/shapes.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "tests/support/rigid.hpp"
@@ -96,7 +97,7 @@ TEST(SolidBody, CapsuleRollsDownASlope) {
   physics.gravity = {0.5, -kGravity, 0};
   physics.material.transition_velocity = 0.01;  // it creeps less
   physics.accuracy = 1e-4;
-  RigidBody body = solid(geometry::capsule("c", 2, 0.4, 0.4, 30), 12);
+  RigidBody body = solid(geometry::capsule("c", 2, 0.4, 0.4, 14), 12);
   // The meshes' balls are off its axis by the facets' roundings: lay them on it, as those of a round capsule are.
   double r = 0;
   for (const auto& s : body.spheres) r = std::max(r, s.radius);
@@ -133,7 +134,7 @@ TEST(SolidBody, RingStaysOnItsPeg) {
   const double hole = 0.8 - 0.2;  // its radius
   EXPECT_LT(std::hypot(there[0], there[2]), hole - 0.2 + 0.05);
   EXPECT_NEAR(there[1], 0.2, 0.05) << "it should lie on the floor";
-  EXPECT_GT(std::hypot(away[0], away[2]), 1.5);
+  EXPECT_GT(std::hypot(away[0], away[2]), 1);
 }
 
 // ---- balances
@@ -158,7 +159,9 @@ TEST(SolidBody, BalancesAreNoWorseThanThoseOfSpheres) {
     for (const Trace& trace : {spheres, solids}) ASSERT_EQ(trace.ended, Ended::finished) << trace.reason;
     EXPECT_GT(solids.greatest_penetration, 1e-3) << "they should have met";
     EXPECT_LT(std::fabs(solids.energy_error), std::max(2 * std::fabs(spheres.energy_error), accuracy));
-    EXPECT_LT(solids.momentum_drift, std::max(2 * spheres.momentum_drift, 1e-12));
+    // Of spheres only contact changes the spin; that of other bodies is integrated all the time.
+    EXPECT_LT(spheres.momentum_drift, 0.01 * accuracy);
+    EXPECT_LT(solids.momentum_drift, 0.01 * accuracy);
   }
 }
 
@@ -267,14 +270,14 @@ TEST(SolidBody, MovesFreeAsInTheTree) {
   for (const auto model : {pipeline::BodyModel::free, pipeline::BodyModel::tree}) {
     Physics physics;
     physics.bodies = model;
-    physics.accuracy = 1e-5;
+    physics.accuracy = 1e-7;  // one integrates the centre of mass, one the origin: their steps differ
     Simulation simulation(bodies, physics, states, 0);
     advance(simulation, 0.4);
     end[model == pipeline::BodyModel::tree] = simulation.states();
     contacts += simulation.sample().contacts;
   }
   for (std::size_t b = 1; b < bodies.size(); ++b) {
-    EXPECT_LT(length(end[0][b].position - end[1][b].position), 1e-7) << b;
+    EXPECT_LT(length(end[0][b].position - end[1][b].position), 1e-6) << b;
     EXPECT_LT(length(end[0][b].velocity - end[1][b].velocity), 1e-5) << b;
     EXPECT_GT(length(end[0][b].velocity - states[b].velocity), 0.5) << b;
   }
@@ -283,7 +286,7 @@ TEST(SolidBody, MovesFreeAsInTheTree) {
 
 // ---- rules
 
-std::string refusal(geometry::Mesh mesh, int most = 8) {
+std::string refusal(geometry::Mesh mesh, int most = 16) {
   try {
     pipeline::place_contact_spheres(mesh, most, geometry::kClosedWithin, "here", "\"it\"");
   } catch (const pipeline::Error& error) {
@@ -308,8 +311,8 @@ TEST(SolidBody, RefusesWhatIsNoSolid) {
   mesh = geometry::box("sheet", {1, 0, 1});
   EXPECT_NE(refusal(mesh).find("it has no volume"), std::string::npos);
   mesh = geometry::box("plate", {1, 1e-3, 1});
-  EXPECT_NE(refusal(mesh).find("leave its surface up to "), std::string::npos);
-  EXPECT_NE(refusal(mesh).find("raise contact_spheres, or make it thicker"), std::string::npos);
+  EXPECT_NE(refusal(mesh, 4).find("leave its surface up to "), std::string::npos);
+  EXPECT_NE(refusal(mesh, 4).find("raise contact_spheres, or make it thicker"), std::string::npos);
 }
 
 }  // namespace

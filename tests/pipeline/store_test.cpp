@@ -13,6 +13,8 @@
 #include <iterator>
 
 #include "pipeline/result/h5.hpp"
+#include "pipeline/result/products/extremes.hpp"
+#include "pipeline/result/products/physics.hpp"
 #include "pipeline/result/seal.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "tests/support/synthetic_result.hpp"
@@ -134,12 +136,12 @@ void expect_same(const Result& a, const Result& b) {
           << "step " << s << ", body " << body;
     }
   }
-  ASSERT_EQ(a.physics.has_value(), b.physics.has_value());
-  if (a.physics) {
-    EXPECT_EQ(a.physics->status, b.physics->status);
-    ASSERT_EQ(a.physics->rows.size(), b.physics->rows.size());
-    for (std::size_t s = 0; s < a.physics->rows.size(); ++s) {
-      const PhysicsSample &x = a.physics->rows[s], &y = b.physics->rows[s];
+  ASSERT_EQ((a.products.find<PhysicsRows>() != nullptr), (b.products.find<PhysicsRows>() != nullptr));
+  if (a.products.find<PhysicsRows>()) {
+    EXPECT_EQ(a.products.find<PhysicsRows>()->status, b.products.find<PhysicsRows>()->status);
+    ASSERT_EQ(a.products.find<PhysicsRows>()->rows.size(), b.products.find<PhysicsRows>()->rows.size());
+    for (std::size_t s = 0; s < a.products.find<PhysicsRows>()->rows.size(); ++s) {
+      const PhysicsSample &x = a.products.find<PhysicsRows>()->rows[s], &y = b.products.find<PhysicsRows>()->rows[s];
       EXPECT_TRUE(same_bits(x.energy, y.energy) && same_bits(x.kinetic_energy, y.kinetic_energy) &&
                   same_bits(x.greatest_penetration, y.greatest_penetration))
           << "step " << s;
@@ -283,7 +285,7 @@ TEST_F(Store, KeepsGaps) {
 
 TEST_F(Store, KeepsExtremes) {
   Result result = synthetic_result(3, 5, 2, 1);
-  Extremes& extremes = result.extremes.emplace();
+  Extremes& extremes = result.products.put<Extremes>({});
   for (std::uint8_t s = 0; s < 3; ++s)
     extremes.rows.push_back({.pair = "box-box",
                              .gap_class = "-10 ulp",
@@ -304,15 +306,15 @@ TEST_F(Store, KeepsExtremes) {
                                 .reason = a ? "too dense; scale it down" : ""});
   round_trip(result, file("a.h5"), file("b.h5"));
   const Result read = read_result(file("a.h5"));
-  ASSERT_TRUE(read.extremes);
+  ASSERT_TRUE(read.products.find<Extremes>());
   for (std::size_t s = 0; s < 3; ++s) {
-    const ExtremeCase &x = extremes.rows[s], &y = read.extremes->rows[s];
+    const ExtremeCase &x = extremes.rows[s], &y = read.products.find<Extremes>()->rows[s];
     EXPECT_EQ(std::tie(x.pair, x.gap_class, x.gap, x.gap_ulps, x.ulp, x.scale, x.offset, x.orientation),
               std::tie(y.pair, y.gap_class, y.gap, y.gap_ulps, y.ulp, y.scale, y.offset, y.orientation));
     EXPECT_EQ(std::tie(x.truth, x.truth_moved, x.near_touching), std::tie(y.truth, y.truth_moved, y.near_touching));
   }
   for (std::size_t a = 0; a < 2; ++a) {
-    const ExtremeAnswers &x = extremes.answers[a], &y = read.extremes->answers[a];
+    const ExtremeAnswers &x = extremes.answers[a], &y = read.products.find<Extremes>()->answers[a];
     EXPECT_EQ(std::tie(x.reported, x.swapped, x.moved, x.failed, x.reason),
               std::tie(y.reported, y.swapped, y.moved, y.failed, y.reason));
   }
@@ -332,10 +334,10 @@ TEST_F(Store, KeepsWhichBodiesWereChosen) {
 
 TEST_F(Store, KeepsAFailedIntegration) {
   Result result = synthetic_result();
-  result.physics->status = "failed at step 4: energy grew tenfold";
+  result.products.find<PhysicsRows>()->status = "failed at step 4: energy grew tenfold";
   for (std::size_t s = 4; s < result.steps(); ++s) {
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-    result.physics->rows[s] = {kNaN, kNaN, kNaN, 0, 0, 0, 0, 0, 0};
+    result.products.find<PhysicsRows>()->rows[s] = {kNaN, kNaN, kNaN, 0, 0, 0, 0, 0, 0};
     for (std::size_t body = 1; body < result.bodies.size(); ++body) result.motion[s][body] = geometry::unborn();
   }
   round_trip(result, file("a.h5"), file("b.h5"));
@@ -366,7 +368,7 @@ TEST_F(Store, KeepsAMeshFileWithoutARadius) {
 
 TEST_F(Store, LeavesOutWhatTheSceneDoesNotNeed) {
   Result result = synthetic_result();
-  result.physics.reset();
+  result.products.drop<PhysicsRows>();
   result.answers.clear();
   result.summary.clear();
   round_trip(result, file("a.h5"), file("b.h5"));

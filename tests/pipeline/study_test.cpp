@@ -298,7 +298,7 @@ TEST(StudyRows, AreTheSameTwiceAndTakenFromAPart) {
   const Config config = study("[[sweep]]\nproblem = \"two_balls\"\naccuracy = 1e-4\n");
   const auto cases = study_cases(*config.study);
   const TemporaryFolder folder;
-  pipeline::Checkpoint part(folder / "x.part", {"c", "p"}, "t", std::int64_t(cases.size()), false, true);
+  pipeline::Checkpoint part(folder / "x.part", {"c", "p"}, "t", std::int64_t(cases.size()), false, "study");
   pipeline::Progress progress("cases", cases.size(), true);
   const auto first = pipeline::study_rows(*config.study, cases, 2, part, progress);
   EXPECT_EQ(pipeline::checkpoint_status(folder / "x.part").cases, std::int64_t(cases.size()));

@@ -152,5 +152,9 @@ if __name__ == "__main__":
         os.chmod(scratch, 0o755)  # munged, another user, reaches its folder through it
         try:
             check(pathlib.Path(scratch))
+        except AssertionError:  # the folder is about to go
+            for log in ("slurm/.sweep/snakemake.log", "cluster/slurmctld.log"):
+                print(f"--- {log}\n{(pathlib.Path(scratch) / log).read_text()}", file=sys.stderr)
+            raise
         finally:
             end_sweeps()

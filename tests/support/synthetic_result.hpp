@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/meshes/shapes.hpp"
+#include "pipeline/result/products/physics.hpp"
 #include "pipeline/result/result.hpp"
 
 namespace pipeline {
@@ -71,11 +72,12 @@ inline Result synthetic_result(std::uint64_t steps = 7, std::uint32_t bodies = 5
     result.motion.push_back(poses);
   }
 
-  result.physics.emplace();
-  result.physics->status = "complete";
+  result.products.put<PhysicsRows>({});
+  result.products.find<PhysicsRows>()->status = "complete";
   for (std::uint64_t s = 0; s < steps; ++s) {
     const auto count = [&] { return static_cast<std::int64_t>(random() % 1000); };
-    result.physics->rows.push_back({real(), real(), real(), count(), count(), count(), count(), count(), count()});
+    result.products.find<PhysicsRows>()->rows.push_back(
+        {real(), real(), real(), count(), count(), count(), count(), count(), count()});
   }
   result.truth.hits = synthetic_pairs(random, steps, bodies, hits);
   result.truth.time_ns = times();

@@ -1,0 +1,14 @@
+// The rows, each from its own file.
+#pragma once
+#include "pipeline/result/product.hpp"
+
+namespace pipeline {
+
+Product study_product();
+Product physics_product();
+Product gaps_product();
+Product noise_product();
+Product passes_product();
+Product extremes_product();
+
+}  // namespace pipeline
