@@ -5,9 +5,10 @@
 #include <utility>
 
 #include "pipeline/result/product.hpp"
+#include "pipeline/result/products/extremes.hpp"
+#include "pipeline/result/products/noise.hpp"
+#include "pipeline/result/products/passes.hpp"
 #include "pipeline/result/store.hpp"
-#include "pipeline/scene/scene.hpp"
-#include "pipeline/stages/summary.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 
@@ -26,9 +27,7 @@ fs::path real_path(const fs::path& file, bool unsealed) {
 }  // namespace
 
 Amended::Amended(const fs::path& file, bool unsealed)
-    : file(file),
-      target(real_path(file, unsealed), Existing::update),
-      result(read_result(real_path(file, unsealed), unsealed)) {
+    : target(real_path(file, unsealed), Existing::update), result(read_result(real_path(file, unsealed), unsealed)) {
   if (!result.foreign.empty())
     throw Error(
         kFile, file.string() + ": holds '" + one_line(result.foreign.front()) +
@@ -37,44 +36,46 @@ Amended::Amended(const fs::path& file, bool unsealed)
     throw Error(kFile, file.string() + ": is " + product->what + ", without poses to answer; name a result of a scene");
 }
 
-std::size_t Amended::place_of(const std::string& label) const {
-  const auto same = [&](const Answers& answers) { return answers.label == label; };
-  return std::size_t(std::ranges::find_if(result.answers, same) - result.answers.begin());
+std::size_t place_of(const std::string& label, const Result& result) {
+  return std::size_t(std::ranges::find(result.answers, label, &Answers::label) - result.answers.begin());
 }
 
-void Amended::refuse_label(const std::string& label, const std::string& option) const {
-  if (place_of(label) < result.answers.size())
-    throw Error(kFile, file.string() + ": has answers labelled '" + label +
-                           "' already; --force replaces them, or give another label with " + option);
-}
-
-std::vector<Pass> Amended::passes(const Config& config, const std::vector<PassRow>& rows) const {
-  std::vector<Pass> passes = config.scene_kind->make(config).passes;
+Scene recorded_scene(const Result& result, const Config& config, const std::string& file) {
+  const Passes* passes = result.products.find<Passes>();
+  const bool cases = result.products.find<Extremes>() != nullptr;
+  if (!passes && !cases) return {};
+  Scene scene = config.scene_kind->make(config);
+  const auto& sets = scene.case_sets;
+  if (cases && (sets.empty() || std::size_t(sets.back().first_step + sets.back().steps) != result.steps()))
+    throw Error(kFile, file + ": its cases are not those of its configuration; run again with --force");
   const auto same = [&](const Pass& pass, const PassRow& row) {
     return std::uint64_t(pass.first_step) == row.first_step && std::uint64_t(pass.samples) == row.samples &&
            row.samples <= result.steps() && row.first_step <= result.steps() - row.samples;
   };
-  if (!std::ranges::equal(passes, rows, same))
-    throw Error(kFile, file.string() + ": its passes are not those of its configuration; run again with --force");
-  return passes;
+  if (passes && !std::ranges::equal(scene.passes, passes->rows, same))
+    throw Error(kFile, file + ": its passes are not those of its configuration; run again with --force");
+  return scene;
 }
 
-void Amended::put(Answers answers, Products& products_of_them, std::size_t i) {
-  if (!pairs_) pairs_ = judged_pairs(result);
-  const std::size_t at = place_of(answers.label);
-  if (at == result.answers.size()) {
-    result.answers.emplace_back();
-    result.summary.emplace_back();
+void add(Evaluation found, Result& result) {
+  for (std::size_t i = 0; i < found.answers.size(); ++i) {
+    const std::size_t at = place_of(found.answers[i].label, result);
+    for (const Product& product : products())
+      if (product.take && product.has(result)) product.take(found.products, i, result.products, at);
+    if (at == result.answers.size()) {
+      result.answers.emplace_back();
+      result.summary.emplace_back();
+    }
+    result.summary[at] = std::move(found.summary[i]);
+    result.answers[at] = std::move(found.answers[i]);
   }
-  for (const Product& product : products())
-    if (product.take && product.has(result)) product.take(products_of_them, i, result.products, at);
-  result.summary[at] = summarise(answers, *pairs_);
-  result.answers[at] = std::move(answers);
+  if (Noise* noise = found.products.find<Noise>()) result.products.put(std::move(*noise));
+  make_products(result);
 }
 
-void Amended::add_inputs(const std::string& files) {
+void add_inputs(const nlohmann::json& files, Result& result) {
   nlohmann::json inputs = nlohmann::json::parse(result.provenance.inputs_sha256);
-  inputs.update(nlohmann::json::parse(files));
+  inputs.update(files);
   result.provenance.inputs_sha256 = inputs.dump();
 }
 

@@ -217,7 +217,8 @@ std::string lacks(const Section& s, const Config& config, bool recorded) {
   if (recorded && name == program_row().name)
     return "its program, which no result starts by itself; give it with --algorithm program:command=...";
   const algorithms::Algorithm* missing = algorithms::find_missing(name);
-  if (missing && (s.boolean("optional", false) || recorded)) return algorithms::remedy(*missing);
+  if (const bool may_go = s.boolean("optional", false); missing && (may_go || recorded))
+    return algorithms::remedy(*missing);
   if (!recorded || config.plugins.empty() || algorithms::find(name)) return "";
   std::string libraries;
   for (const Plugin& plugin : config.plugins)

@@ -16,6 +16,7 @@
 #include "pipeline/scene/answers_csv.hpp"
 #include "pipeline/stages/detect.hpp"
 #include "pipeline/stages/passes.hpp"
+#include "pipeline/stages/summary.hpp"
 #include "pipeline/system/file_bytes.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -39,7 +40,7 @@ Csv read(const fs::path& path, const std::string& what) {
 }
 
 /// Where and when it was timed: here, by the user's word, or anywhere.
-Machine place_of(const ImportOptions& options) {
+Machine machine_of(const ImportOptions& options) {
   const Machine here = machine();
   if (options.language.empty() || options.times.empty()) return {"elsewhere", "not known", "not known", here.date};
   return {here.host, here.processor, here.build, here.date};
@@ -57,7 +58,9 @@ Result import_answers(const fs::path& file, const ImportOptions& options) {
     throw Error(kFile, file.string() +
                            ": is of extremes, whose cases are also asked in the other order and moved, which a "
                            "list of answers does not tell; name a result of another scene");
-  if (!options.force) amended.refuse_label(options.label, "--label");
+  if (!options.force && place_of(options.label, result) < result.answers.size())
+    throw Error(kFile, file.string() + ": has answers labelled '" + options.label +
+                           "' already; --force replaces them, or give another label with --label");
 
   const std::size_t steps = result.steps();
   const PairLists lists = parse_answers(csv.bytes, csv.name, result.bodies, result.motion);
@@ -66,7 +69,7 @@ Result import_answers(const fs::path& file, const ImportOptions& options) {
   answers.knobs = "{}";
   answers.promise = options.promise;
   answers.scope = options.scope;
-  answers.machine = place_of(options);
+  answers.machine = machine_of(options);
   nlohmann::json files = {{options.answers.filename().string(), sha256(csv.bytes)}};
   answers.time_ns.assign(steps, 0);
   if (!options.times.empty()) {
@@ -83,15 +86,16 @@ Result import_answers(const fs::path& file, const ImportOptions& options) {
   answers.prepare_ns.assign(steps, 0);
   for (std::size_t step = 0; step < steps; ++step) judge(lists.at(step), result.truth, step, answers);
 
-  Products products;
+  Evaluation found;
   if (const Passes* before = result.products.find<Passes>()) {
-    const std::vector<Pass> passes =
-        amended.passes(recorded_config(result.config_effective, file.string()), before->rows);
-    products.put(Passes{.rows = {}, .answers = {sampled_pass_answers(passes, result.truth, before->rows, answers)}});
+    const Scene scene = recorded_scene(result, recorded_config(result.config_effective, file.string()), file.string());
+    found.products.put(
+        Passes{.rows = {}, .answers = {sampled_pass_answers(scene.passes, result.truth, before->rows, answers)}});
   }
-  amended.add_inputs(facts.files);
-  amended.put(std::move(answers), products, 0);
-  make_products(result);
+  add_inputs(files, result);
+  found.summary = {summarise(answers, judged_pairs(result.bodies, result.motion, result.truth))};
+  found.answers = {std::move(answers)};
+  add(std::move(found), result);
   write_result(result, amended.target);
   return std::move(result);
 }

@@ -7,24 +7,20 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "pipeline/amended.hpp"
 #include "pipeline/plan.hpp"
 #include "pipeline/result/checkpoint.hpp"
 #include "pipeline/result/product.hpp"
-#include "pipeline/result/products/noise.hpp"
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/detect.hpp"
-#include "pipeline/stages/extremes.hpp"
-#include "pipeline/stages/interval.hpp"
+#include "pipeline/stages/evaluate.hpp"
 #include "pipeline/stages/motion.hpp"
-#include "pipeline/stages/passes.hpp"
-#include "pipeline/stages/summary.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/study/study.hpp"
-#include "pipeline/system/pinned.hpp"
 #include "pipeline/system/threads.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
@@ -63,41 +59,7 @@ void describe(Result& result, const Config& config, Provenance from, std::chrono
   result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The noise floor, from the answers of the first label and of the same once more.
-Noise noise_of(const Answers& first, const Answers& again) {
-  const Interval ratio = ratio_interval(again.time_ns, first.time_ns);
-  return {first.label, ratio.value, ratio.low, ratio.high, again.time_ns};
-}
-
-/// What algorithms answer about the motion and truth of `result`, timed as `config` says; of extremes, which have
-/// `sets`, also case by case. The noise floor is put into the result, where it is asked for.
-ExtremesDetected answered(Result& result, const std::vector<CaseSet>& sets, const std::vector<AlgorithmChoice>& choices,
-                          const Config& config, const Checkpoint* part, bool quiet, Forecast& forecast) {
-  const Pinned pinned(config.pin);
-  Machine here = machine();
-  here.pinned = pinned.processor();
-  if (config.pin && pinned.processor() < 0)
-    std::fprintf(stderr, "warning: there is no processor %lld here, as the configuration has it; timed on any\n",
-                 static_cast<long long>(*config.pin));
-  else if (config.pin && !quiet)
-    std::fprintf(stderr, "timed on processor %lld\n", static_cast<long long>(pinned.processor()));
-  Progress progress("detect", result.steps(), quiet, &forecast);
-  if (!sets.empty())
-    return detect_extremes(result.bodies, result.motion, result.truth, sets, choices, config.repeats, here, part,
-                           progress);
-  const bool noise = config.noise && !choices.empty();
-  std::vector<Answers> answers =
-      detect(result.bodies, result.motion, result.truth, choices, config.repeats, here, part, progress, noise);
-  if (noise) {
-    // A method of others that failed has no times to be compared.
-    if (!failed(answers.front()) && !failed(answers.back()))
-      result.products.put(noise_of(answers.front(), answers.back()));
-    else
-      result.products.drop<Noise>();
-    answers.pop_back();
-  }
-  return {std::move(answers), {}};
-}
+TimingRules timing_of(const Config& config) { return {config.repeats, config.noise, config.pin}; }
 
 /// Digest, file and its place.
 void store(Result& result, OutputFile& target, bool quiet, Forecast& forecast) {
@@ -147,6 +109,56 @@ void refuse_own_input(const Config& config, const fs::path& output) {
 /// integrators free is kept while they run (pipeline/physics/simulate.cpp).
 void give_back() { malloc_trim(0); }
 
+/// Of extremes every mesh is there without the others, so that each is named.
+void warn_of_open_meshes(const Config& config, const Scene& scene) {
+  if (scene.case_sets.empty() || config.containment == Containment::ignore) return;
+  for (const geometry::Mesh& mesh : scene.bodies.meshes)
+    if (const geometry::Solid solid = geometry::solid_of(mesh, config.closed_within); !solid.closed)
+      std::fprintf(stderr, "warning: mesh '%s': the surface is open, %s; nothing can be inside it\n", mesh.name.c_str(),
+                   geometry::open_text(solid).c_str());
+}
+
+/// The motion stage: bodies, poses and, where they are integrated, /physics.
+void make_motion(const Config& config, Scene& scene, const Plan& planned, Checkpoint& part, bool quiet,
+                 Forecast& forecast, Result& result) {
+  Progress progress("motion", std::uint64_t(config.steps), quiet, &forecast);
+  if (config.scene_kind->integrated) {
+    // While the motion is made, how long its answers will take is looked at where that is worth the time.
+    std::optional<Looks> looks;
+    AfterChunk after_chunk;
+    if (const Stage* detecting = forecast.find("detect"); detecting && detecting->seconds() > 5 * kTrial) {
+      looks.emplace(scene.bodies, config.algorithms, config.repeats, planned, *detecting);
+      after_chunk = [&](const auto& poses) { forecast.improve(looks->look(poses)); };
+    }
+    try {
+      Motion motion = integrate(config, scene, part, progress, after_chunk);
+      result.motion = std::move(motion.poses);
+      result.products.put(std::move(motion.physics));
+    } catch (const Error& error) {
+      if (error.code() == kInput) part.remove();  // no run of this configuration can ever finish: nothing stays
+      throw;
+    }
+  } else {
+    result.motion = std::move(scene.script);
+    progress.add(std::uint64_t(config.steps));
+  }
+  result.bodies = std::move(scene.bodies);
+  result.first_step = first_steps(result.motion, result.bodies.size());
+}
+
+/// Throws Error for a label that is there already, unless forced, or is given twice.
+void check_labels(const std::vector<AlgorithmChoice>& choices, const Result& result, const std::string& file,
+                  bool force) {
+  std::set<std::string> given;
+  for (const AlgorithmChoice& choice : choices) {
+    if (place_of(choice.label, result) < result.answers.size() && !force)
+      throw Error(kFile, file + ": has answers labelled '" + choice.label +
+                             "' already; --force replaces them, or give another label with @LABEL");
+    if (!given.insert(choice.label).second)
+      throw Error(kInput, "--algorithm: the label '" + choice.label + "' is given twice; name another with @LABEL");
+  }
+}
+
 }  // namespace
 
 fs::path output_path(const Config& config, const RunOptions& options) {
@@ -165,11 +177,7 @@ Result run(const Config& config, const RunOptions& options) {
   if (config.study) return run_study(config, options, start);
 
   Scene scene = make_scene(config);
-  if (!scene.case_sets.empty() && config.containment != Containment::ignore)
-    for (const geometry::Mesh& mesh : scene.bodies.meshes)
-      if (const geometry::Solid solid = geometry::solid_of(mesh, config.closed_within); !solid.closed)
-        std::fprintf(stderr, "warning: mesh '%s': the surface is open, %s; nothing can be inside it\n",
-                     mesh.name.c_str(), geometry::open_text(solid).c_str());
+  warn_of_open_meshes(config, scene);
   const int threads = thread_count(options.threads);
   const Plan planned = plan(config, scene, threads);
   refuse_if_too_large(planned, output);
@@ -181,66 +189,21 @@ Result run(const Config& config, const RunOptions& options) {
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   Forecast forecast;
   if (!options.quiet) forecast = Forecast(foreseen_stages(config, scene, planned, threads, kTrial));
-  const std::uint64_t steps = std::uint64_t(config.steps);
 
-  // While the motion is made, how long its answers will take is looked at where that is worth the time.
-  std::optional<Looks> looks;
-  AfterChunk after_chunk;
-  if (const Stage* detecting = forecast.find("detect");
-      detecting && detecting->seconds() > 5 * kTrial && config.scene_kind->integrated) {
-    looks.emplace(scene.bodies, config.algorithms, config.repeats, planned, *detecting);
-    after_chunk = [&](const auto& poses) { forecast.improve(looks->look(poses)); };
-  }
   Result result;
-  {
-    Progress progress("motion", steps, options.quiet, &forecast);
-    if (config.scene_kind->integrated) {
-      Motion motion;
-      try {
-        motion = integrate(config, scene, part, progress, after_chunk);
-      } catch (const Error& error) {
-        if (error.code() == kInput) part.remove();  // no run of this configuration can ever finish: nothing stays
-        throw;
-      }
-      result.motion = std::move(motion.poses);
-      result.products.put(std::move(motion.physics));
-    } else {
-      result.motion = std::move(scene.script);
-      progress.add(steps);
-    }
-  }
-  looks.reset();
+  make_motion(config, scene, planned, part, options.quiet, forecast, result);
   give_back();
-  result.bodies = std::move(scene.bodies);
   {
-    Progress progress("truth", steps, options.quiet, &forecast);
+    Progress progress("truth", result.steps(), options.quiet, &forecast);
     result.truth = decide(result.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);
   }
   give_back();
-  if (!scene.case_sets.empty()) {
-    Progress progress("cases", steps, options.quiet, &forecast, "case");
-    Extremes extremes;
-    extremes.rows =
-        extreme_rows(result.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
-    result.products.put(std::move(extremes));
-  }
-  ExtremesDetected found = answered(result, scene.case_sets, config.algorithms, config, &part, options.quiet, forecast);
-  result.answers = std::move(found.answers);
+  Evaluation found = evaluate({result.bodies, result.motion, result.truth, scene, result.products}, config.algorithms,
+                              timing_of(config), &part, options.quiet, forecast);
   give_back();
-  if (Extremes* extremes = result.products.find<Extremes>()) extremes->answers = std::move(found.cases);
-  if (!scene.passes.empty()) {
-    Progress progress("passes", scene.passes.size() * (1 + result.answers.size()), options.quiet, &forecast, "pass");
-    Passes passes;
-    passes.rows = pass_rows(result.bodies, result.motion, result.truth, scene.passes, progress);
-    for (std::size_t a = 0; a < result.answers.size(); ++a)
-      passes.answers.push_back(pass_answers(result.bodies, result.motion, result.truth, scene.passes, passes.rows,
-                                            result.answers[a], config.algorithms[a], progress));
-    result.products.put(std::move(passes));
-  }
-  const std::uint64_t pairs = judged_pairs(result);
-  for (const Answers& answers : result.answers) result.summary.push_back(summarise(answers, pairs));
-
-  result.first_step = first_steps(result.motion, result.bodies.size());
+  result.answers = std::move(found.answers);
+  result.summary = std::move(found.summary);
+  result.products.join(std::move(found.products));
   make_products(result);
   describe(result, config, std::move(from), start);
   part.mark_complete();
@@ -266,46 +229,20 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   }
   find_files(choices);
 
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    const std::string& label = choices[i].label;
-    if (!options.force) amended.refuse_label(label, "@LABEL");
-    for (std::size_t j = 0; j < i; ++j)
-      if (choices[j].label == label)
-        throw Error(kInput, "--algorithm: the label '" + label + "' is given twice; name another with @LABEL");
-  }
-
-  std::vector<CaseSet> sets;
-  if (result.products.find<Extremes>()) {
-    sets = config.scene_kind->make(config).case_sets;
-    if (sets.empty() || std::size_t(sets.back().first_step + sets.back().steps) != result.steps())
-      throw Error(kFile, file.string() + ": its cases are not those of its configuration; run again with --force");
-  } else {
-    refuse_unfit(result.bodies, choices);
-  }
-  const Passes* passes_before = result.products.find<Passes>();
+  check_labels(choices, result, file.string(), options.force);
+  const Scene scene = recorded_scene(result, config, file.string());
   Forecast forecast;
-  if (!options.quiet && sets.empty()) {
-    const Plan planned = plan(result.bodies, result.steps(), choices);
-    forecast = Forecast(foreseen_stages(result.bodies, result.motion, choices, config.repeats,
-                                        passes_before ? passes_before->rows.size() : 0, planned, kTrial));
+  if (scene.case_sets.empty()) {
+    refuse_unfit(result.bodies, choices);
+    if (!options.quiet)
+      forecast = Forecast(foreseen_stages(result.bodies, result.motion, choices, config.repeats, scene.passes.size(),
+                                          plan(result.bodies, result.steps(), choices), kTrial));
   }
-  ExtremesDetected found = answered(result, sets, choices, config, nullptr, options.quiet, forecast);
-  Products fresh_products;
-  if (!sets.empty()) fresh_products.put(Extremes{.rows = {}, .answers = std::move(found.cases)});
-  std::vector<Answers>& fresh = found.answers;
-  if (passes_before) {
-    const std::vector<Pass> passes = amended.passes(config, passes_before->rows);
-    Progress progress("passes", passes.size() * fresh.size(), options.quiet, &forecast, "pass");
-    Passes said;
-    for (std::size_t a = 0; a < fresh.size(); ++a)
-      said.answers.push_back(pass_answers(result.bodies, result.motion, result.truth, passes, passes_before->rows,
-                                          fresh[a], choices[a], progress));
-    fresh_products.put(std::move(said));
-  }
-  for (std::size_t i = 0; i < fresh.size(); ++i) amended.put(std::move(fresh[i]), fresh_products, i);
-  make_products(result);
+  Evaluation found = evaluate({result.bodies, result.motion, result.truth, scene, result.products}, choices,
+                              timing_of(config), nullptr, options.quiet, forecast);
+  add(std::move(found), result);
   for (const AlgorithmChoice& choice : choices)
-    if (choice.foreign) amended.add_inputs(nlohmann::json(choice.foreign->files).dump());
+    if (choice.foreign) add_inputs(nlohmann::json(choice.foreign->files), result);
   store(result, amended.target, options.quiet, forecast);
   return std::move(result);
 }

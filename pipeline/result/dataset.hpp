@@ -6,8 +6,8 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <ranges>
 #include <limits>
+#include <ranges>
 #include <span>
 #include <string>
 #include <string_view>

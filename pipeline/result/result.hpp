@@ -162,6 +162,11 @@ class Products {
   T& put(T value) {
     return std::any_cast<T&>(all_[typeid(T)] = std::move(value));
   }
+  /// Takes all that is in `more`, in the place of what is here.
+  void join(Products more) {
+    more.all_.merge(all_);
+    all_ = std::move(more.all_);
+  }
   template <class T>
   void drop() {
     all_.erase(typeid(T));

@@ -61,10 +61,11 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   return row;
 }
 
-std::uint64_t judged_pairs(const Result& result) {
+std::uint64_t judged_pairs(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
+                           const Truth& truth) {
   std::uint64_t pairs = 0;
-  for (const auto& step : result.motion) pairs += geometry::pair_count(geometry::pair_runs(result.bodies, step));
-  return result.truth.containment == Containment::record ? pairs - result.truth.contained.pair.size() : pairs;
+  for (const auto& step : poses) pairs += geometry::pair_count(geometry::pair_runs(bodies, step));
+  return truth.containment == Containment::record ? pairs - truth.contained.pair.size() : pairs;
 }
 
 }  // namespace pipeline

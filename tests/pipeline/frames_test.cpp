@@ -158,8 +158,9 @@ TEST(Frames, AnyBytesGiveAValueOrAFault) {
     std::string bytes(random() % 80, '\0');
     for (char& byte : bytes) byte = static_cast<char>(random() % 4 ? 0 : random());
     try {
-      if (const auto found = first_frame("HITS" + bytes, {"HITS", 60})) {
-        EXPECT_EQ(frame(found->kind, found->content), ("HITS" + bytes).substr(0, 8 + found->content.size()));
+      const std::string all = "HITS" + bytes;
+      if (const auto found = first_frame(all, {"HITS", 60})) {
+        EXPECT_EQ(frame(found->kind, found->content), all.substr(0, 8 + found->content.size()));
         const Reply reply = reply_in(found->content);
         EXPECT_EQ(content_of(reply), found->content);
       }

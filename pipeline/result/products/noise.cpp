@@ -33,8 +33,7 @@ void read(const Reader& from, Result& result) {
 
 std::string line(const Result& result) {
   const Noise& noise = *result.products.find<Noise>();
-  const std::string twice =
-      "noise floor: " + noise.label + " timed twice has a ratio of " + print("%.3f", noise.ratio);
+  const std::string twice = "noise floor: " + noise.label + " timed twice has a ratio of " + print("%.3f", noise.ratio);
   if (std::isnan(noise.low)) return twice + "; too few steps for its interval\n";
   return twice + print(" (%.3f to %.3f); no smaller one is a difference\n", noise.low, noise.high);
 }
@@ -56,7 +55,10 @@ Product noise_product() {
           .lay = lay,
           .read = read,
           .when = "[timing] noise = true",
-          .sample = [](Result& result) { result.products.put(Noise{}).time_ns = {0, 0}; },
+          .sample =
+              [](Result& result) {
+                result.products.put(Noise{}).time_ns = {0, 0};
+              },
           .line = line,
           .json = json};
 }
