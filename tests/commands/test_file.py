@@ -315,7 +315,7 @@ def test_meta_says_where_the_result_comes_from(result_file, file):
     for label in meta["algorithms"]:
         assert {
             "name", "knobs", "promise", "thesis_key", "operations_unit", "scope", "host", "processor",
-            "build", "date", "digest",
+            "build", "date", "digest", "setup_ns", "memory_bytes", "memory_greatest_bytes",
         } == set(meta["answers"][label])  # fmt: skip
 
 
