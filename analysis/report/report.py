@@ -110,8 +110,8 @@ def foreign(runs):
                 "status": told.get("status", ""), "steps": told.get("steps_done", 0), "reason": told.get("reason", ""),
             })
     caption = (
-        "Their time is their own, taken by a clock in their process around the work for a step; the wall time of question"
-        " and answer, its mean over steps here, bounds it. A library is called in a process of its own, a program asked"
+        "Their time is their own, taken by a clock in their process around the work for a step; the wall time of"
+        " question and answer, its mean over steps here, bounds it. A library is called in a process of its own, a program asked"
         " through pipes."
     )
     return Section("Methods of others", [Table("Who answered, and how", pd.DataFrame(rows), caption)]) if rows else None

@@ -27,8 +27,11 @@ std::string foreign_text(const Result& result) {
     if (!answers.foreign) continue;
     const ForeignFacts& facts = *answers.foreign;
     text += answers.label + ": " + facts.transport;
-    for (const std::string* part : {&facts.command, &facts.version, &facts.language, &facts.precision})
-      if (!part->empty()) text += (part == &facts.command ? " " : ", ") + one_line(*part, 200);
+    if (!facts.command.empty()) text += " " + one_line(facts.command, 200);
+    text += "; " + answers.name;
+    if (!facts.version.empty()) text += " " + one_line(facts.version, 200);
+    if (!facts.language.empty()) text += ", " + one_line(facts.language, 200);
+    if (!facts.precision.empty()) text += ", " + one_line(facts.precision, 200) + " precision";
     if (facts.threads != 1) text += ", " + std::to_string(facts.threads) + " threads";
     text += '\n';
     if (failed(answers))

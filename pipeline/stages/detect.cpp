@@ -86,14 +86,14 @@ void adopt(const About& about, Answers& answers) {
 /// A method of others in the state after `answers`, warmed up by the first step that it will be asked about; or one
 /// that has failed.
 Entry set_up_foreign(const Bodies& bodies, const AlgorithmChoice& choice, std::span<const Pose> poses,
-                     std::int64_t step, Answers& answers) {
+                     Answers& answers) {
   if (failed(answers)) return {};
   ForeignFacts& facts = *answers.foreign;
   try {
     Entry entry = set_up(bodies, choice);
     adopt(entry.foreign->about(), answers);
     entry.foreign->add_waited(facts.waited);
-    entry.foreign->at(std::uint32_t(step));
+    entry.foreign->at(std::uint32_t(answers.hits.steps()));
     entry.foreign->warm_up(poses, geometry::pair_runs(bodies, poses), choice.foreign->warm_up);
     return entry;
   } catch (const Fault& fault) {
@@ -347,7 +347,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
 
     if (entries.empty())
       for (std::size_t a = 0; a < choices.size(); ++a) {
-        entries.push_back(choices[a].foreign ? set_up_foreign(bodies, choices[a], poses[first], first, all[a])
+        entries.push_back(choices[a].foreign ? set_up_foreign(bodies, choices[a], poses[first], all[a])
                                              : set_up(bodies, choices[a]));
         if (std::isnan(all[a].costs.setup_ns)) all[a].costs = entries.back().costs;  // else of the run that is resumed
       }
