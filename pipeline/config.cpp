@@ -312,8 +312,9 @@ Config recorded_config(const std::string& effective, const std::string& file) {
 
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets) {
   Config config = parse_config(bytes_of(path), path, sets);
-  if (config.scene_kind) refuse_idle_seed(config);
-  if (config.scene_kind && config.scene_kind->complete) {
+  if (config.study) return config;
+  refuse_idle_seed(config);
+  if (config.scene_kind->complete) {
     config.scene_kind->complete(config);
     config.effective = effective(config);
   }
