@@ -6,7 +6,8 @@ A result may be anybody's and anything may have happened to it. In this order:
     its seal holds: the checksum in its last line, over every byte before it (pipeline/result/seal.hpp)
     a child process reads all of it first: HDF5 1.10.8 crashes, loops or asks for all memory on some damaged files
     its links stay within it, its datasets are stored in it and no larger than what is stored can give
-    its digests hold, of every group and of the whole (pipeline/result/digest.hpp), and its attributes are of their kinds
+    its digests hold, of every group and of the whole (pipeline/result/digest.hpp), and its attributes are of their
+    kinds
 
 The seal is no signature: whoever changes a file on purpose can make another.
 """
@@ -35,11 +36,11 @@ SEAL_BYTES = len(SEAL % (b"0" * 32, 0))
 # What counts for digests: what the program writes. Own datasets belong at other places, and do not count.
 ROOT = ("step", "time", "body", "algorithm")
 GROUPS = ("bodies", "meshes", "motion", "physics", "truth", "results", "answers", "summary", "passes", "extremes",
-          "study")  # fmt: skip
+          "study")
 DIGESTED = ("motion", "truth", "answers")  # carry digests of their own
 TEXTS = {"title", "creator", "git_commit", "build_type", "compiler", "flags", "library_versions", "config_sha256",
          "inputs_sha256", "digest", "digest_algorithm", "effective", "shape", "name", "knobs", "promise", "thesis_key",
-         "operations_unit", "scope", "library", "host", "processor", "build", "date", "containment", "status"}  # fmt: skip
+         "operations_unit", "scope", "library", "host", "processor", "build", "date", "containment", "status"}
 NUMBERS = {"schema_version", "rate", "wall_time_s", "gap_margin", "quaternion_drift", "surface_deviation",
            "contact_deviation", "closed"}
 OBJECTS = {"library_versions", "inputs_sha256", "knobs", "shape"}  # JSON

@@ -122,9 +122,14 @@ constexpr KeyText kTexts[] = {
     {"truth.gap", "1", "bounds on the distance of near pairs that do not meet"},
     {"truth.gap_margin", "m", "how near; with gap = true"},
     {"timing.repeats", "1", "passes of every method over a step: the fastest and the median are kept"},
+    {"plugin.N.path", "1", "shared library of methods, relative to the configuration (algorithms/README.md)", true},
     {"algorithm.N.name", "1", "`pipeline list algorithms`; its knobs are further keys", true},
     {"algorithm.N.label", "1", "name of its answers; without it that of the algorithm"},
     {"algorithm.N.optional", "1", "left out, and said, by a build without its library"},
+    {"algorithm.N.command", "1", "of a program of others: the program and its words; further keys are its knobs", true},
+    {"algorithm.N.step_budget", "s", "of a method of others: for one answer, at most"},
+    {"algorithm.N.time_budget", "s", "of a method of others: for its set-up and all answers together, at most"},
+    {"algorithm.N.memory_budget", "MiB", "of a method of others: data of its process, at most"},
     {"every", "1", "of all cases only every one that this number divides is run"},
     {"bodies", "1", "free: each body by itself; tree: Simbody's multibody tree"},
     {"budget.force_evaluations", "1", "of a case, at most"},
@@ -186,7 +191,9 @@ std::vector<Example> examples() {
   for (const SceneKind& kind : scene_kinds()) {
     const auto [first, last] = kMore.equal_range(kind.name);
     const std::string head = "[scene]\nkind = '" + kind.name + "'\n",
-                      tail = "[truth]\ngap = true\n[[algorithm]]\nname = 'aabb'\n";
+                      tail =
+                          "[truth]\ngap = true\n[[plugin]]\npath = 'libmine.so'\n[[algorithm]]\nname = 'aabb'\n"
+                          "[[algorithm]]\nname = 'program'\ncommand = ['x']\n";
     if (first == last) out.push_back({kind.name, head + tail});
     for (auto more = first; more != last; ++more) out.push_back({kind.name, head + more->second + tail});
   }

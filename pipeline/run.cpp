@@ -104,6 +104,7 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
 void refuse_own_input(const Config& config, const fs::path& output) {
   std::vector<fs::path> read = {config.path};
   for (const auto& [file, hash] : config.inputs) read.push_back(config.path.parent_path() / file);
+  for (const Plugin& plugin : config.plugins) read.push_back(plugin.path);
   for (const fs::path& file : read)
     if (std::error_code none; fs::equivalent(file, output, none))
       throw Error(kFile, output.string() + ": is read by this run; choose another -o");
@@ -255,6 +256,7 @@ Result run(const Config& config, const RunOptions& options) {
 }
 
 Result detect_again(const fs::path& file, const std::vector<std::string>& arguments, const RunOptions& options) {
+  add_plugins(options.plugins);
   for (const std::string& argument : arguments) parse_algorithm(argument);  // mistakes are said before the file is read
   std::error_code missing;
   const fs::path real = fs::canonical(file, missing);  // a link stays one
@@ -277,6 +279,7 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     if (choices.empty())
       throw Error(kInput, file.string() + ": this build has none of its algorithms; name others with --algorithm");
   }
+  find_files(choices);
 
   check_labels(choices, result, file.string(), options.force);
   const Scene scene = recorded_scene(result, config, file.string());
@@ -291,6 +294,10 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
                options.quiet, forecast),
       result);
   make_products(result);
+  nlohmann::json inputs = nlohmann::json::parse(result.provenance.inputs_sha256);
+  for (const AlgorithmChoice& choice : choices)
+    if (choice.foreign) inputs.update(nlohmann::json(choice.foreign->files));
+  result.provenance.inputs_sha256 = inputs.dump();
   store(result, target, options.quiet, forecast);
   return result;
 }
@@ -303,6 +310,9 @@ std::vector<std::string> failures(const Result& result) {
   for (std::size_t a = 0; a < result.answers.size(); ++a) {
     const Answers& answers = result.answers[a];
     const Summary& row = result.summary[a];
+    if (failed(answers))
+      lines.push_back(answers.label + " failed after " + std::to_string(answers.foreign->steps_done) + " of " +
+                      std::to_string(result.steps()) + " steps: " + answers.foreign->reason);
     if (row.promise_kept) continue;
     std::string line = answers.label + " breaks its promise (" + answers.promise + "): ";
     line += std::to_string(row.false_negative) + " false negatives";

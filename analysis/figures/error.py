@@ -68,13 +68,15 @@ def finding(points, cost):
         return f"No algorithm errs on this scene; {first.label} is the {cheapest}, {show(first[cost])}{equals}"
     if len(worth) == 1 or first.error == best.error:
         least = "makes no error" if best.error == 0 else f"errs least, {number(best.error)},"
-        words = f"{first.label} {least} and is also the {cheapest}, {show(first[cost])}: no other is worth its cost here"
+        words = (f"{first.label} {least} and is also the {cheapest}, {show(first[cost])}: no other is worth its cost "
+                 "here")
         return words + equals
     faster = worth[[row.error > best.error and told(row, best) for _, row in worth.iterrows()]]
     least = "makes no error" if best.error == 0 else f"errs least, {number(best.error)},"
     if not len(faster):
         return (
-            f"{best.label} {least} at {show(best[cost])} and is as fast as {first.label}, {show(first[cost])}, which errs"
+            f"{best.label} {least} at {show(best[cost])} and is as fast as {first.label}, {show(first[cost])}, which "
+            "errs"
             f" {number(first.error)}: no other is worth its cost here"
         )
     second = faster.iloc[-1]
@@ -101,7 +103,8 @@ def _few(names):
 def costs(scene, points, key):
     """The figure of what `points` cost besides time per step: set-up and memory. None when no file says."""
     points = points.reset_index(drop=True)
-    if not {"setup_ns", "memory_bytes"} <= set(points) or not points[["setup_ns", "memory_bytes"]].notna().any(axis=None):
+    if not {"setup_ns",
+            "memory_bytes"} <= set(points) or not points[["setup_ns", "memory_bytes"]].notna().any(axis=None):
         return None
     points = points.sort_values(["time_mean_ns", "error"], ignore_index=True)
     table = pd.DataFrame({
@@ -118,13 +121,15 @@ def costs(scene, points, key):
     unknown = f" Nothing is known of the memory of {', '.join(unknown)}." if unknown else ""
     caption = (
         f"{scene.title}: {counted(len(points), 'label')}, the fastest per step first. Set-up is made once a run and no"
-        " part of the time per step: hierarchies, hulls, points. Memory is heap as malloc counts it, to about a percent:"
+        " part of the time per step: hierarchies, hulls, points. Memory is heap as malloc counts it, to about a "
+        "percent:"
         f" filled after set-up, hollow the most at any time.{rest}{unknown}"
     )
     fig, (left, right) = figure(1, 2, height=0.85 + 0.2 * max(len(drawn), 3), sharey=True)
     rows = np.arange(len(drawn))[::-1]
     for row, (_, point) in zip(rows, drawn.iterrows()):
-        look = {"color": style(point.algorithm)["color"], "marker": style(point.algorithm)["marker"], "linestyle": "none"}
+        look = {"color": style(point.algorithm)["color"], "marker": style(point.algorithm)["marker"],
+                "linestyle": "none"}
         left.plot([point.setup_ns], [row], **look)
         right.plot([point.memory_bytes, point.memory_greatest_bytes], [row, row], color=look["color"], linewidth=0.8)
         right.plot([point.memory_greatest_bytes], [row], **look, markerfacecolor="white", markeredgewidth=1.2)
@@ -155,7 +160,8 @@ def costs(scene, points, key):
 
 def _costs_finding(points):
     words = []
-    for column, does, text in (("setup_ns", "takes longest to set up", time), ("memory_greatest_bytes", "takes most memory", memory)):
+    for column, does, text in (("setup_ns", "takes longest to set up", time),
+                               ("memory_greatest_bytes", "takes most memory", memory)):
         if points[column].notna().any():
             most = points.loc[points[column].idxmax()]
             words.append(f"{most.label} {does}, {text(most[column])}")
@@ -221,11 +227,13 @@ def _kinds_finding(points, met):
     none_missed, none_false = (points.false_negative == 0).sum(), (points.false_positive == 0).sum()
     misses = points.loc[points.false_negative.idxmax()]
     most = points.loc[points.false_positive.idxmax()]
-    words = f"{none_missed} of {len(points)} miss nothing, {none_false} {verb(none_false, 'has', 'have')} no false positive"
+    words = (f"{none_missed} of {len(points)} miss nothing, {none_false} {verb(none_false, 'has', 'have')} no false "
+             "positive")
     if misses.false_negative:
         words += f"; {misses.label} misses most, {number(misses.false_negative / met * 100)} % of what meets"
     if most.false_positive:
-        words += f"; {most.label} has the most false positives, {number(most.false_positive / met)} for every pair that meets"
+        words += (f"; {most.label} has the most false positives, {number(most.false_positive / met)} for every pair "
+                  "that meets")
     return words
 
 
@@ -235,7 +243,8 @@ def _caption(scene, points, cost):
         "Each algorithm's operations are elementary tests of its own kind (named below); they are the same on every"
         " machine."
     )
-    what = "Time is the mean over steps of the fastest repeat, one thread, preparation of bodies included." + _trust(points)
+    what = ("Time is the mean over steps of the fastest repeat, one thread, preparation of bodies included."
+            + _trust(points))
     machines = " ".join(f"Timed on {machine}." for machine in dict.fromkeys(points.machine)) if len(points) else ""
     configs = ", ".join(dict.fromkeys(f"{r.meta.get('config_sha256', '?')[:12]}" for r in scene.runs))
     commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
@@ -255,7 +264,8 @@ def _trust(points):
         return ""
     floor = pareto.widest(*points.floor) if "floor" in points else None
     words = (
-        " Bars are 95 % intervals of the mean, by a block bootstrap over steps like these; which of two labels is faster is"
+        " Bars are 95 % intervals of the mean, by a block bootstrap over steps like these; which of two labels is "
+        "faster is"
         " told by their ratio over the same steps, in the table below."
     )
     if floor is not None:

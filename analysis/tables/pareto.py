@@ -45,6 +45,12 @@ def name(run):
     return os.path.splitext(os.path.basename(run.path))[0]
 
 
+def how_asked(answers):
+    """" (program, Python)" of a method of others: its times are drawn beside those of others only where this is said."""
+    how = [answers.get("transport", ""), answers.get("language", "").partition(" ")[0].rstrip(",")]
+    return f" ({', '.join(filter(None, how))})" if how[0] else ""
+
+
 def machine(answers):
     """Where and with what an algorithm was timed: "processor on host, commit build compiler"."""
     commit, _, rest = answers.get("build", "").partition(" ")
@@ -66,7 +72,7 @@ def _points(runs):
             seen.add(identity)
             rows.append(
                 {
-                    "label": label,
+                    "label": label + how_asked(answers),
                     "algorithm": answers.get("name", label),
                     "file": name(run),
                     "knobs": _knobs(answers.get("knobs", "{}")),

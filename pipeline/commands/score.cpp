@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -50,7 +51,8 @@ Json baseline_of(const Result& result, bool times) {
   for (const Product& product : products())
     if (product.figures && product.has(result)) product.figures(result, json["truth"]);
   std::vector<double> means;
-  for (const Summary& row : result.summary) means.push_back(row.time_mean_ns);
+  for (const Summary& row : result.summary)
+    if (!std::isnan(row.time_mean_ns)) means.push_back(row.time_mean_ns);
   for (std::size_t a = 0; a < result.answers.size(); ++a) {
     const Answers& answers = result.answers[a];
     const Summary& row = result.summary[a];
@@ -65,10 +67,11 @@ Json baseline_of(const Result& result, bool times) {
           {"rounding_miss", total(answers.rounding_miss)},
           {"operations", row.operations},
           {"operations_unit", answers.operations_unit}};
+    if (answers.foreign) of["status"] = failed(answers) ? "failed" : "complete";
     if (row.contained_hit) of["contained_hit"] = *row.contained_hit;
     for (const Product& product : products())
       if (product.label_figures && product.has(result)) product.label_figures(result, a, of);
-    if (times) of[kTimeRatio] = rounded(means[a] / median_of(means));
+    if (times && !std::isnan(row.time_mean_ns)) of[kTimeRatio] = rounded(row.time_mean_ns / median_of(means));
   }
   return json;
 }
@@ -82,7 +85,7 @@ void check(const Json& json, const std::string& place) {
   if (version != kBaselineSchema)
     throw Error(kFile, place + ": has baseline schema " + one_line(version.dump()) + ", this program reads " +
                            std::to_string(kBaselineSchema) + "; record it again with --write at another place");
-  constexpr const char* kTexts[] = {"containment", "name", "knobs", "answers", "operations_unit"};
+  constexpr const char* kTexts[] = {"containment", "name", "knobs", "answers", "operations_unit", "status"};
   const auto figures = [&](const Json& object, const std::string& of, std::initializer_list<const char*> required) {
     if (!object.is_object()) throw bad(place, one_line(of) + " is no object");
     for (const auto& [key, value] : object.items()) {
@@ -144,6 +147,7 @@ void compare_times(const Json& before, const Json& now, const std::string& place
                    Score& out) {
   for (const auto& [label, figures] : before.items()) {
     if (!now.contains(label)) continue;
+    if (!now[label].contains(kTimeRatio) || figures.value("status", "") == "failed") continue;
     if (!figures.contains(kTimeRatio))
       throw Error(kFile, place + ": has no times of '" + one_line(label) + "'; record them with --write --times");
     out.times.push_back({label, figures[kTimeRatio].get<double>(), now[label][kTimeRatio].get<double>()});

@@ -19,6 +19,38 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// What methods of others are, and how they ended.
+std::string foreign_text(const Result& result) {
+  std::string text;
+  for (const Answers& answers : result.answers) {
+    if (!answers.foreign) continue;
+    const ForeignFacts& facts = *answers.foreign;
+    text += answers.label + ": " + facts.transport;
+    for (const std::string* part : {&facts.command, &facts.version, &facts.language, &facts.precision})
+      if (!part->empty()) text += (part == &facts.command ? " " : ", ") + one_line(*part, 200);
+    if (facts.threads != 1) text += ", " + std::to_string(facts.threads) + " threads";
+    text += '\n';
+    if (failed(answers))
+      text += "    failed after " + std::to_string(facts.steps_done) + " of " + std::to_string(result.steps()) +
+              " steps, whose sums these are: " + one_line(facts.reason, 1000) + "\n";
+  }
+  return text.empty() ? text : text + "\n";
+}
+
+Json foreign_json(const Answers& answers) {
+  const ForeignFacts& facts = *answers.foreign;
+  return {{"transport", facts.transport},
+          {"command", facts.command},
+          {"files_sha256", Json::parse(facts.files)},
+          {"version", facts.version},
+          {"language", facts.language},
+          {"precision", facts.precision},
+          {"threads", facts.threads},
+          {"status", failed(answers) ? "failed" : "complete"},
+          {"reason", facts.reason},
+          {"steps_done", facts.steps_done}};
+}
+
 std::string provenance_text(const Result& result, bool all_digests) {
   const Provenance& from = result.provenance;
   std::string text = "made by   " + from.creator + ", commit " + from.git_commit + ", " + from.build_type + ", " +
@@ -82,6 +114,7 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
                                   {"scope", answers.scope},
                                   {"operations_unit", answers.operations_unit},
                                   {"library", answers.library}});
+    if (answers.foreign) json["algorithms"].back()["foreign"] = foreign_json(answers);
     each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
       if constexpr (!is_optional<T>)
         json["algorithms"].back()[column.name] = row.*column.member;
@@ -132,6 +165,7 @@ std::string result_text(const Result& result, bool digests) {
   text +=
       "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
       "per step\n\n";
+  text += foreign_text(result);
 
   for (const Product& product : products())
     if (product.text && product.has(result)) text += product.text(result);

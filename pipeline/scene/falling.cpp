@@ -277,12 +277,12 @@ class Meshes {
     for (const geometry::Mesh& mesh : bodies.meshes) names_.insert(mesh.name);
   }
 
-  /// The number of a body's mesh, made when it is the first of its kind.
-  std::uint32_t of(const FallingBody& body, bool fixed) {
+  /// The number of a body's mesh, made when it is the first of its kind and then called `called` or something like it.
+  std::uint32_t of(const FallingBody& body, bool fixed, const std::string& called) {
     const auto [at, fresh] = known_.emplace(key_of(body, fixed), std::uint32_t(bodies_.meshes.size()));
     if (!fresh) return at->second;
-    std::string name = name_of(body);
-    for (int i = 2; !names_.insert(name).second; ++i) name = name_of(body) + "_" + std::to_string(i);
+    std::string name = called;
+    for (int i = 2; !names_.insert(name).second; ++i) name = called.substr(0, 56) + "_" + std::to_string(i);
     geometry::Mesh mesh = body.shape ? make_mesh(*body.shape, name) : mesh_read(files_, body);
     mesh.name = name;
     if (has_contact_spheres(body, fixed))
@@ -353,7 +353,7 @@ Scene make(const SceneConfig& config) {
   refuse_changed(config, again);
   Meshes meshes(config, files, bodies);
   for (const FallingObstacle& obstacle : falling.obstacles) {
-    const std::uint32_t mesh = meshes.of(obstacle.body, true);
+    const std::uint32_t mesh = meshes.of(obstacle.body, true, obstacle.name);
     const auto& [x, y, z] = obstacle.position;
     add(obstacle.name, mesh, meshes.rigid(obstacle.body, true, mesh), x, y, z);
     scene.states.back().orientation = obstacle.orientation;
@@ -374,7 +374,7 @@ Scene make(const SceneConfig& config) {
     if (set.shapes.empty()) kinds.push_back(sphere());
     for (std::size_t k = 0; k < set.shapes.size(); ++k) {
       if (count_of(set, k) == 0) break;  // nor has any that follows
-      const std::uint32_t mesh = meshes.of(set.shapes[k], false);
+      const std::uint32_t mesh = meshes.of(set.shapes[k], false, name_of(set.shapes[k]));
       kinds.push_back(
           {mesh, meshes.rigid(set.shapes[k], false, mesh), -geometry::local_box(bodies.meshes[mesh]).min.y()});
     }
@@ -411,11 +411,8 @@ double fall_time(double metres, double gravity, double damping) {
   return high;
 }
 
-/// The height of what stands in the middle below a set: 0 for the plate.
-double ground(const FallingScene& falling, const FallingSet& set, const FileMeshes& files) {
-  const double across = set.spacing / 2;
-  const double x = set.corner[0] + across * double(set.above[0] - 1),
-               z = set.corner[1] + across * double(set.above[2] - 1);
+/// The height of what stands at a place of the plate, below `top`: 0 for the plate.
+double ground(const FallingScene& falling, const FileMeshes& files, double x, double z, double top) {
   double out = 0;
   for (const FallingObstacle& obstacle : falling.obstacles) {
     const geometry::Mesh mesh =
@@ -434,26 +431,41 @@ double ground(const FallingScene& falling, const FallingSet& set, const FileMesh
         y += weight[k] * world[facet[k]].y();
       }
       const auto inside = [&](double w) { return w / sum >= 0; };
-      if (sum != 0 && std::ranges::all_of(weight, inside) && y / sum < set.height) out = std::max(out, y / sum);
+      if (sum != 0 && std::ranges::all_of(weight, inside) && y / sum < top) out = std::max(out, y / sum);
     }
   }
   return out;
 }
 
-/// Metres that the lowest of a set's upper spheres falls freely: to those that lie, beside them by `shift`, or to the
-/// plate. Other bodies: half their height on average.
-double drop(const FallingScene& falling, const FallingSet& set, const FileMeshes& files) {
-  double r = falling.radius;
-  if (!set.shapes.empty()) {
-    double sum = 0;
-    for (const FallingBody& body : set.shapes)
-      sum += geometry::local_box(body.shape ? make_mesh(*body.shape, "") : mesh_read(files, body)).half_size().mean();
-    r = sum / double(set.shapes.size());
+/// The same of the middle and the corners of a set's upper bodies.
+double ground(const FallingScene& falling, const FileMeshes& files, const FallingSet& set) {
+  double out = 0;
+  if (falling.obstacles.empty()) return out;
+  const double x = set.corner[0] + falling.shift, dx = set.spacing * double(set.above[0] - 1);
+  const double z = set.corner[1] + falling.shift, dz = set.spacing * double(set.above[2] - 1);
+  for (const auto& [i, k] : {std::pair{0., 0.}, {1., 0.}, {0., 1.}, {1., 1.}, {0.5, 0.5}})
+    out = std::max(out, ground(falling, files, x + i * dx, z + k * dz, set.height));
+  return out;
+}
+
+/// The radius of a set's spheres; of other bodies half their side, on average.
+double radius_of(const FallingScene& falling, const FileMeshes& files, const FallingSet& set) {
+  if (set.shapes.empty()) return falling.radius;
+  double sum = 0;
+  for (const FallingBody& body : set.shapes) {
+    const geometry::Mesh mesh = body.shape ? make_mesh(*body.shape, "") : mesh_read(files, body);
+    const geometry::Vec3 half = geometry::local_box(mesh).half_size();
+    sum += (half.x() + half.y() + half.z()) / 3;
   }
-  const double aside = 2 * falling.shift * falling.shift;
+  return sum / double(set.shapes.size());
+}
+
+/// Metres that the lowest of a set's upper spheres falls freely: to those that lie, beside them by `shift`, or to the
+/// plate.
+double drop(const FallingScene& falling, const FileMeshes& files, const FallingSet& set) {
+  const double r = radius_of(falling, files, set), aside = 2 * falling.shift * falling.shift;
   const bool meets = set.lying[0] > 0 && set.lying[1] > 0 && aside < 4 * r * r;
-  const double below = falling.obstacles.empty() ? 0 : ground(falling, set, files);
-  return set.height - below - r - (meets ? std::sqrt(4 * r * r - aside) : 0);
+  return set.height - ground(falling, files, set) - r - (meets ? std::sqrt(4 * r * r - aside) : 0);
 }
 
 SceneSize size(const SceneConfig& config) {
@@ -461,33 +473,34 @@ SceneSize size(const SceneConfig& config) {
   return scene.size ? *scene.size : size_of(scene, {});
 }
 
-std::vector<double> drops_of(const FallingScene& falling, const FileMeshes& files) {
-  std::vector<double> out;
-  for (const FallingSet& set : falling.sets) out.push_back(drop(falling, set, files));
+std::vector<Fall> falls_of(const FallingScene& falling, const FileMeshes& files) {
+  std::vector<Fall> out;
+  for (const FallingSet& set : falling.sets)
+    out.push_back({.radius = radius_of(falling, files, set), .drop = drop(falling, files, set)});
   return out;
 }
 
-std::vector<double> drops(const FallingScene& falling) { return falling.size ? falling.drops : drops_of(falling, {}); }
+std::vector<Fall> falls(const FallingScene& falling) { return falling.size ? falling.falls : falls_of(falling, {}); }
 
 void complete(SceneConfig& config) {
   const FileMeshes files = read_meshes(config);
   if (files.empty()) return;
   FallingScene scene = config.keys<FallingScene>();
   scene.size = size_of(scene, files);
-  scene.drops = drops_of(scene, files);
+  scene.falls = falls_of(scene, files);
   config.scene = std::move(scene);
 }
 
 std::vector<Ahead> ahead(const SceneConfig& config) {
   const FallingScene& falling = config.keys<FallingScene>();
   constexpr double kLively = 0.75;  // of the time of the fall; measured on the third set of padani.toml
-  const std::vector<double> all = drops(falling);
+  const std::vector<Fall> all = falls(falling);
   std::vector<Ahead> out;
   for (std::size_t s = 0; s < falling.sets.size(); ++s) {
     const FallingSet& set = falling.sets[s];
     const std::uint64_t spheres = std::uint64_t(set.above[0] * set.above[1] * set.above[2]);
     const std::uint64_t lying = std::uint64_t(set.lying[0] * set.lying[1]);
-    const double metres = all[s], gravity = -config.physics.gravity[1];
+    const double metres = all[s].drop, gravity = -config.physics.gravity[1];
     if (spheres == 0) continue;
     double step = 0;
     if (metres > 0) {
@@ -506,16 +519,19 @@ std::vector<Ahead> ahead(const SceneConfig& config) {
 
 /// Every set has just landed; pressed together, near pairs that do not meet cost answers the most.
 void hurry(const SceneConfig& config, std::vector<BodyState>& states, bool pressed) {
-  constexpr double kPressed = 2.02;  // radii from middle to middle
+  // Radii from middle to middle; other bodies than spheres stand further apart at first, and fall together.
+  constexpr double kPressed = 2.02, kTogether = 2.6;
   const FallingScene& falling = config.keys<FallingScene>();
   const double gravity = -config.physics.gravity[1];
-  const std::vector<double> all = drops(falling);
+  const std::vector<Fall> all = falls(falling);
   std::size_t body = 1 + falling.obstacles.size();
   for (std::size_t s = 0; s < falling.sets.size(); ++s) {
     const FallingSet& set = falling.sets[s];
     body += std::size_t(set.lying[0] * set.lying[1]);
     const std::array<double, 3> from{set.corner[0] + falling.shift, set.height, set.corner[1] + falling.shift};
-    const double metres = all[s], closer = pressed ? std::min(1.0, kPressed * falling.radius / set.spacing) : 1;
+    const bool spheres = set.shapes.empty();
+    const double near = (spheres ? kPressed : kTogether) * all[s].radius / set.spacing;
+    const double metres = all[s].drop, closer = pressed || !spheres ? std::min(1.0, near) : 1;
     const std::size_t end = body + std::size_t(set.above[0] * set.above[1] * set.above[2]);
     for (; body < end; ++body) {
       if (!(metres > 0 && gravity > 0)) continue;

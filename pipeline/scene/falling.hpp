@@ -39,6 +39,12 @@ struct FallingSet {
   bool turned = false;                         // those above are turned at random
 };
 
+/// What is foretold of a set, m.
+struct Fall {
+  double radius = 0;  // of its spheres; of other bodies half their side, on average
+  double drop = 0;    // that the lowest of those above falls freely
+};
+
 /// kind = "falling": a fixed plate with its top at y = 0, obstacles, and sets of spheres or other bodies.
 struct FallingScene {
   std::int64_t segments = 16;              // of the sphere's mesh
@@ -52,7 +58,7 @@ struct FallingScene {
   std::vector<FallingObstacle> obstacles;
   // Of a scene that names files, what is known of them once they were read (SceneKind::complete):
   std::optional<SceneSize> size;
-  std::vector<double> drops;  // m, of each set
+  std::vector<Fall> falls;  // #sets
 };
 
 SceneKind falling_kind();

@@ -33,6 +33,11 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   const double roots = std::sqrt(tp + fp) * std::sqrt(tp + fn) * std::sqrt(tn + fp) * std::sqrt(tn + fn);
   row.matthews = std::clamp(ratio(tp * tn - fp * fn, roots), -1.0, 1.0);  // roots round; NaN stays
 
+  if (failed(answers)) {  // known of some steps only: no figure of the run
+    row.error = row.precision = row.recall = row.matthews = std::numeric_limits<double>::quiet_NaN();
+    row.time_mean_ns = row.time_median_ns = row.time_p95_ns = row.error;
+    return row;
+  }
   std::vector<std::int64_t> times = answers.time_ns;
   std::sort(times.begin(), times.end());
   const std::size_t n = times.size();

@@ -76,7 +76,7 @@ TEST(ConfigErrors, RefusesWithPlaceRuleValueAndRemedy) {
       {"step = 3\n" + kScene, "a/f.toml:1:1: unknown key 'step'; did you mean 'steps'?"},
       {"seed=1\n  whatsoever = 3\n" + kScene,
        "a/f.toml:2:3: unknown key 'whatsoever'; known: title, seed, steps, rate, scene, physics, truth, timing, "
-       "algorithm"},
+       "plugin, algorithm"},
       {"zzz=1\naaa=2\n" + kScene, "a/f.toml:1:1: unknown key 'zzz'"},  // the first in the file, not in the alphabet
       {"\"ti\\ntle\" = 3\n" + kScene, "a/f.toml:1:1: unknown key 'ti?tle'; did you mean 'title'?"},
       {"\"a.b\" = 3\n" + kScene, "a/f.toml:1:1: unknown key 'a.b'"},

@@ -586,5 +586,44 @@ TEST(Config, GapsAreOffAndHaveAMargin) {
   expect_idempotent(with(""));
 }
 
+TEST(Config, AProgramOfOthersHasACommandBudgetsAndKnobsOfItsOwn) {
+  const auto with = [](const std::string& keys) {
+    return parse_config(kScene + "[[algorithm]]\nname = \"program\"\n" + keys, "a/f.toml");
+  };
+  const Config config = with(
+      "command = [\"node\", \"my engine.mjs\"]\nlabel = \"mine\"\nreach = 2\nfast = true\nstep_budget = 5\n"
+      "memory_budget = 64\n");
+  const AlgorithmChoice& choice = config.algorithms.front();
+  ASSERT_TRUE(choice.foreign);
+  EXPECT_EQ(choice.label, "mine");
+  EXPECT_EQ(choice.foreign->command.words, (std::vector<std::string>{"node", "my engine.mjs"}));
+  EXPECT_EQ(choice.foreign->command.folder, "a") << "relative to the configuration";
+  EXPECT_EQ(choice.foreign->budget.step, 5);
+  EXPECT_EQ(choice.foreign->budget.all, 3600);
+  EXPECT_EQ(choice.foreign->budget.memory, std::uint64_t{64} << 20);
+  EXPECT_EQ(choice.knobs, (algorithms::Knobs{{"reach", std::int64_t{2}}, {"fast", true}}));
+  expect_idempotent(config);
+
+  EXPECT_EQ(with("command = \"python3  mine.py\"").algorithms[0].foreign->command.words,
+            (std::vector<std::string>{"python3", "mine.py"}))
+      << "one text is parted at blanks";
+  const AlgorithmChoice argument = parse_algorithm("program:command=python3 mine.py,reach=1.5@mine");
+  EXPECT_EQ(argument.foreign->command.words, (std::vector<std::string>{"python3", "mine.py"}));
+  EXPECT_EQ(argument.foreign->command.folder, "") << "the current one";
+  EXPECT_EQ(argument.label, "mine");
+  EXPECT_EQ(argument.knobs, (algorithms::Knobs{{"reach", 1.5}}));
+}
+
+// Anybody may have made a file: what it names is not run by looking at it or timing its methods again.
+TEST(Config, AResultStartsNoProgram) {
+  const Config config = parse_config(
+      kScene + "[[algorithm]]\nname = \"program\"\ncommand = [\"x\"]\n[[algorithm]]\nname = \"aabb\"\n", "f.toml");
+  const Config recorded = recorded_config(config.effective, "f.h5");
+  ASSERT_EQ(recorded.algorithms.size(), 1u);
+  EXPECT_EQ(recorded.algorithms[0].name, "aabb");
+  ASSERT_EQ(recorded.notes.size(), 1u);
+  EXPECT_NE(recorded.notes[0].find("algorithm 'program' is left out: it needs its program"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace pipeline

@@ -45,7 +45,7 @@ struct Fixture {
     Progress quiet("detect", 1, true);
     return detect(scene.bodies, scene.script, truth, {parse_algorithm(algorithm)}, 1, {}, nullptr, quiet)[0];
   }
-  PassAnswers measured(const std::string& algorithm, const Answers& answers) const {
+  PassAnswers measured(const std::string& algorithm, Answers answers) const {
     Progress quiet("passes", 1, true);
     return pass_answers(scene.bodies, scene.script, truth, scene.passes, rows, answers, parse_algorithm(algorithm),
                         quiet);
