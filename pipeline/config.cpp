@@ -443,8 +443,9 @@ Config recorded_config(const std::string& effective, const std::string& file) {
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets,
                    const std::vector<std::string>& plugins) {
   Config config = parsed(bytes_of(path), path, sets, From::file, add_plugins(plugins));
-  if (config.scene_kind) refuse_idle_seed(config);
-  if (config.scene_kind && config.scene_kind->complete) {
+  if (config.study) return config;
+  refuse_idle_seed(config);
+  if (config.scene_kind->complete) {
     config.scene_kind->complete(config);
     config.effective = effective(config);
   }

@@ -18,7 +18,7 @@ struct Config : SceneConfig {
   std::string text;       // as read
   std::string effective;  // the whole configuration after defaults and --set, as TOML; reading it gives this Config
   std::string title;
-  std::optional<Study> study;        // then it has no scene and nothing of what follows but texts and notes
+  std::optional<Study> study;        // instead of a scene: then nothing else but texts and notes
   std::optional<double> gap_margin;  // m; absent: distances are not asked for
   std::int64_t repeats = 3;
   bool noise = false;               // the first label is timed a second time

@@ -124,8 +124,6 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   const double motion = steps * (double(plan.bodies) * sizeof(geometry::Pose) + 40);
   const double meshes = 24 * double(size.mesh_vertices) + 12 * double(size.mesh_triangles);
   double result = kProgram + meshes + motion;
-  // Files that were read stay in the configuration, and once more in the scene.
-  if (!config.inputs.empty()) result += meshes + motion;
 
   const double moving = config.scene_kind->integrated ? double(plan.bodies) : 0;
   const double spheres = kContactSphere * double(size.contact_spheres);
