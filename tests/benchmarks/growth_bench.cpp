@@ -3,8 +3,8 @@
 //
 //   build/growth_bench [options of Google Benchmark]               in the project's folder: one shape is a file
 //
-// A heap is made, not simulated: bodies in any orientation on a jittered lattice so narrow that neighbours touch about
-// as often as in the heap of that file at rest, on a plate. They quiver from step to step, each along a way of its own,
+// A heap is made, not simulated: bodies in any orientation on a jittered lattice, so narrow that a body meets about four
+// others, on a plate. They quiver from step to step, each along a way of its own,
 // by a few millimetres. Numbered along the lattice, as scenes number theirs, or shuffled: neighbours then lie far apart
 // in memory. Columns:
 //   Time      ms of a step: of the truth with what it makes for a step, of a method with its preparation; the processor's
@@ -12,7 +12,7 @@
 //   slope     of log time over log bodies, from the next smaller heap of the same row
 //   hits, tests       a body
 //   B_body, B_hit     bytes that the allocator gave out for hierarchies, decision or method, after the steps
-//   scene_B   a body, for meshes, bodies and two steps of poses
+//   scene_B   a body, for meshes, bodies, a step of poses, where they rest and their ways
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
@@ -40,7 +40,7 @@ namespace {
 
 using namespace geometry;
 
-constexpr double kSpacing = 1.42;   // m between places: see above
+constexpr double kSpacing = 1.42;   // m between places
 constexpr double kJitter = 0.15;    // m along each axis, at most
 constexpr double kQuiver = 0.003;   // m
 constexpr std::size_t kPhases = 8;  // steps of a quiver
