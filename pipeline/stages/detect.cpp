@@ -50,7 +50,8 @@ Costs costs_of(const About& about) {
 Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
   using Clock = std::chrono::steady_clock;
   try {
-    Entry entry{.promise = row_of(choice).promise};
+    Entry entry;
+    entry.promise = row_of(choice).promise;
     std::chrono::nanoseconds spent;
     {
       const CountingHeap now(entry.heap);
