@@ -119,7 +119,8 @@ typedef struct collision_value {
   const char *text; /* of a choice */
 } collision_value;
 
-/* A knob. Values that its rules do not allow never come to create. */
+/* A knob. Values that its rules do not allow never come to create. A flag "containment" tells whether bodies inside
+ * others are to be reported; where the user is silent it follows the truth by which the run scores. */
 typedef struct collision_knob {
   const char *name;           /* 1 to 64 of A-Z a-z 0-9 _ - and no key of every algorithm: name, label, optional,
                                  step_budget, time_budget, memory_budget */

@@ -36,7 +36,8 @@ def main(arguments=None):
     command.set_defaults(act=lambda chosen: say(studied(chosen.file, chosen.unsealed)))
     viewer.add_command(commands)
     for command in commands.choices.values():
-        command.add_argument("--unsealed", action="store_true", help="read results although they were changed since they "
+        command.add_argument("--unsealed", action="store_true", help="read results although they were changed since "
+                                                                     "they "
                              "were written, as by own datasets; digests still hold")
     chosen = parser.parse_args(arguments)
     try:
@@ -110,7 +111,7 @@ def opened(paths, unsealed=False):
     found = {}
     for path in paths:
         try:
-            run = load(path, unsealed)
+            run = load(path, unsealed).completed()
             kind = scenes.kind(run)
             if kind not in KINDS:
                 raise ValueError(f"is of a {kind or 'study, not a'} scene; the statements are about {', '.join(KINDS)}")

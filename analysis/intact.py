@@ -6,7 +6,8 @@ A result may be anybody's and anything may have happened to it. In this order:
     its seal holds: the checksum in its last line, over every byte before it (pipeline/result/seal.hpp)
     a child process reads all of it first: HDF5 1.10.8 crashes, loops or asks for all memory on some damaged files
     its links stay within it, its datasets are stored in it and no larger than what is stored can give
-    its digests hold, of every group and of the whole (pipeline/result/digest.hpp), and its attributes are of their kinds
+    its digests hold, of every group and of the whole (pipeline/result/digest.hpp), and its attributes are of their
+    kinds
 
 The seal is no signature: whoever changes a file on purpose can make another.
 """
@@ -34,15 +35,17 @@ SEAL_BYTES = len(SEAL % (b"0" * 32, 0))
 
 # What counts for digests: what the program writes. Own datasets belong at other places, and do not count.
 ROOT = ("step", "time", "body", "algorithm")
-GROUPS = ("bodies", "meshes", "motion", "physics", "truth", "results", "answers", "summary", "passes", "extremes",
-          "study")  # fmt: skip
+GROUPS = ("bodies", "meshes", "motion", "physics", "truth", "results", "answers", "summary", "noise", "passes",
+          "extremes", "study")
 DIGESTED = ("motion", "truth", "answers")  # carry digests of their own
 TEXTS = {"title", "creator", "git_commit", "build_type", "compiler", "flags", "library_versions", "config_sha256",
          "inputs_sha256", "digest", "digest_algorithm", "effective", "shape", "name", "knobs", "promise", "thesis_key",
-         "operations_unit", "scope", "library", "host", "processor", "build", "date", "containment", "status"}  # fmt: skip
+         "operations_unit", "scope", "library", "host", "processor", "build", "date", "containment", "status"}
 NUMBERS = {"schema_version", "rate", "wall_time_s", "gap_margin", "quaternion_drift", "surface_deviation",
-           "contact_deviation", "closed"}
+           "contact_deviation", "closed", "ratio", "ratio_low", "ratio_high", "pinned", "setup_ns", "memory_bytes",
+           "memory_greatest_bytes"}
 OBJECTS = {"library_versions", "inputs_sha256", "knobs", "shape"}  # JSON
+MEASURED = ("_ns", "_bytes")  # ends of names that no digest counts: clocks and heap
 MOST_NESTED = 32  # levels of it; ours have at most 3
 
 MOST_INFLATION = 1032  # bytes that deflate makes of one
@@ -187,7 +190,7 @@ def check_content(file, allow=lambda size: None):
             if not isinstance(dataset, h5py.Dataset) or path == "/" and name not in ROOT:
                 continue
             full = path.rstrip("/") + "/" + name
-            if name.endswith("_ns") and dataset.dtype.kind not in "iuf":
+            if name.endswith(MEASURED) and dataset.dtype.kind not in "iuf":
                 raise ValueError(f"{full}: holds no numbers")
             scale = h5py.h5ds.is_scale(dataset.id)
             wanted = shapes.get(path[1:])
@@ -200,7 +203,7 @@ def check_content(file, allow=lambda size: None):
                 raise ValueError(f"{full}: datasets overlap")
             allow(dataset.size * dataset.dtype.itemsize)
             values = dataset[()]
-            if not name.endswith("_ns"):
+            if not name.endswith(MEASURED):
                 mine.append((full.encode(), record(full, values)))
         if path.split("/")[1] in DIGESTED and path != "/answers":
             digests[path] = xxhash.xxh3_128(b"".join(data for _, data in sorted(mine))).hexdigest()

@@ -20,7 +20,7 @@ h5py and xarray read the file unaided too: ``xarray.open_dataset(path, group="re
 
 import json
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import h5py
@@ -42,14 +42,32 @@ class Run:
         steps: number of steps; rate: steps per second; bodies, algorithms: lists of names and labels;
         config, config_effective: TOML texts; run: dict of date, host, processor, wall_time_s;
         answers: dict label -> dict of name, knobs (JSON), promise, thesis_key, operations_unit, scope,
-        library (of somebody else's methods), host, processor, build, date, digest; motion, truth: dicts of digest,
-        containment (if asked for).
+        library (of somebody else's methods), host, processor, build, date, digest; of methods of others transport,
+        command, files_sha256, version, language, precision, threads, status, reason, steps_done; motion, truth: dicts
+        of digest, containment (if asked for).
         Of what a file lacks, the texts, lists and dicts are empty, steps 0 and rate NaN.
     """
 
     path: str
     meta: dict = field(repr=False)
     mark: tuple = field(repr=False)  # of the file that was checked
+    shown: tuple = field(default=None, repr=False)  # places of the algorithms that completed() keeps; None: all
+
+    @property
+    def failed(self):
+        """label -> why it ended, and how far it came, of methods of others that failed at a step."""
+        ended = {label: answers for label, answers in self.meta["answers"].items() if answers.get("status") == "failed"}
+        return {label: (answers["reason"], answers["steps_done"]) for label, answers in ended.items()}
+
+    def completed(self):
+        """The same result without the algorithms that failed: their tables know some steps only."""
+        if not self.failed:
+            return self
+        labels = self.meta["algorithms"]
+        shown = tuple(place for place, label in enumerate(labels) if label not in self.failed)
+        kept = [labels[place] for place in shown]
+        meta = self.meta | {"algorithms": kept, "answers": {label: self.meta["answers"][label] for label in kept}}
+        return replace(self, meta=meta, shown=shown)
 
     def opened(self):
         """The file as an h5py.File, to be closed. Raises OSError when it is not the one that was loaded any more."""
@@ -259,7 +277,7 @@ class Run:
             columns = {}
             for name, data in file["passes"].items():
                 if not h5py.h5ds.is_scale(data.id):
-                    columns[name] = (data.asstr() if data.dtype == object else data)[()]
+                    columns[name] = self._values(data)
         if "hits" in columns:
             columns["reported"] = columns.pop("hits")
         labels, bodies = self.meta["algorithms"], np.array(self.meta["bodies"], dtype=object)
@@ -292,8 +310,6 @@ class Run:
             "algorithm": pd.Categorical.from_codes(np.tile(np.arange(len(labels)), steps), labels),
         }
         for name, values in columns.items():
-            if values.dtype == object:
-                values = np.array([text.decode() for text in values], dtype=object)
             table[name] = values.ravel() if values.ndim == 2 else np.repeat(values, len(labels))
         table = pd.DataFrame(table)
         table["refused"] = table["failed"] == 1
@@ -304,13 +320,20 @@ class Run:
     def failures(self):
         """Per algorithm what it said when it first failed at a case of extremes, "" when it never did; else None."""
         with self.opened() as file:
-            return list(file["extremes/failure"].asstr()[()]) if "extremes/failure" in file else None
+            return list(self._values(file["extremes/failure"])) if "extremes/failure" in file else None
 
     def _columns(self, group):
         """name -> values of a group's columns, its dimensions left out; empty when there is no such group."""
         with self.opened() as file:
             datasets = file.get(group, {})
-            return {name: data[()] for name, data in datasets.items() if not h5py.h5ds.is_scale(data.id)}
+            return {name: self._values(data) for name, data in datasets.items() if not h5py.h5ds.is_scale(data.id)}
+
+    def _values(self, data):
+        """The values of a dataset, those of the shown algorithms where it has some of each."""
+        values = (data.asstr() if data.dtype == object else data)[()]
+        last = [scale.name for scale in data.dims[data.ndim - 1].values()] if data.ndim else []
+        by_algorithm = any(name.rpartition("/")[2] == "algorithm" for name in last)
+        return values if self.shown is None or not by_algorithm else values[..., list(self.shown)]
 
     def _pairs(self, group, pair="pair", offset="pair_offset"):
         with self.opened() as file:

@@ -5,13 +5,19 @@
 #include <fcntl.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <set>
+#include <sstream>
 
+#include "pipeline/foreign/foreign.hpp"
+#include "pipeline/result/provenance.hpp"
 #include "pipeline/scene/document.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/study/study.hpp"
 #include "pipeline/system/file_bytes.hpp"
+#include "pipeline/system/pinned.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 
@@ -99,7 +105,8 @@ void read_truth(const Section& s, Config& config) {
 
 algorithms::Value knob_value(const Section& s, const algorithms::Knob& knob) {
   // What is no knob's type (a date, an array) becomes a wrong type, so that `checked` states the rule.
-  const algorithms::Value wrong = std::holds_alternative<bool>(knob.preset) ? algorithms::Value(0.0) : false;
+  algorithms::Value wrong = false;
+  if (std::holds_alternative<bool>(knob.preset)) wrong = 0.0;
   const algorithms::Value value = s.scalar(knob.name).value_or(wrong);
   try {
     return algorithms::checked(knob, value);
@@ -107,18 +114,81 @@ algorithms::Value knob_value(const Section& s, const algorithms::Knob& knob) {
     std::string rule = error.what();
     if (rule.starts_with("must ")) rule.erase(0, std::strlen("must "));
     const auto* text = std::get_if<std::string>(&value);
-    const std::string meant = text ? nearest(*text, knob.choices) : "";
-    s.refuse(knob.name, rule, meant.empty() ? "" : "did you mean '" + meant + "'?");
+    std::string remedy;
+    if (text && knob.role == algorithms::Role::prefilter && algorithms::find(*text))
+      remedy = "a method of a library answers in a process of its own and cannot filter for another";
+    else if (const std::string meant = text ? nearest(*text, knob.choices) : ""; !meant.empty())
+      remedy = "did you mean '" + meant + "'?";
+    s.refuse(knob.name, rule, remedy);
   }
+}
+
+/// What every method of others may take: keys of its [[algorithm]] that are no knobs.
+constexpr std::array<std::string_view, 3> kBudgetKeys = {"step_budget", "time_budget", "memory_budget"};
+
+Budget read_budget(const Section& s) {
+  constexpr std::int64_t kLeastMemory = 16, kMostMemory = 1 << 24;  // MiB
+  Budget out;
+  out.step = s.real("step_budget", out.step, kPositive);
+  out.all = s.real("time_budget", out.all, kPositive);
+  out.memory =
+      static_cast<std::uint64_t>(s.integer("memory_budget", std::int64_t(out.memory >> 20), kLeastMemory, kMostMemory))
+      << 20;
+  return out;
+}
+
+/// The words of a command: an array of texts, or one text that is parted at blanks.
+std::vector<std::string> command_words(const Section& s) {
+  std::vector<std::string> words;
+  const std::string rule = "be a program and its words, e.g. [\"python3\", \"mine.py\"]";
+  if (!s.has("command")) s.fail("missing key '" + s.full("command") + "'; write command = [\"python3\", \"mine.py\"]");
+  if (const auto value = s.scalar("command")) {
+    if (!std::holds_alternative<std::string>(*value)) s.refuse("command", rule);
+    std::istringstream text(std::get<std::string>(*value));
+    for (std::string word; text >> word;) words.push_back(word);
+  } else {
+    words = s.texts("command");
+  }
+  if (words.empty() || words.front().empty()) s.refuse("command", rule);
+  for (const std::string& word : words)
+    if (word.find('\0') != std::string::npos) s.refuse("command", rule);
+  return words;
+}
+
+/// A program of others: every key that is not one of ours is handed on to it.
+AlgorithmChoice program_choice(const Section& s, const std::filesystem::path& folder) {
+  AlgorithmChoice choice{.name = "program", .label = s.text("label", "program"), .knobs = {}};
+  choice.foreign = std::make_shared<Foreign>(program({command_words(s), folder}, read_budget(s)));
+  for (const std::string& key : s.keys()) {
+    if (key == "name" || key == "label" || key == "command" || key == "optional" ||
+        std::ranges::count(kBudgetKeys, key))
+      continue;
+    const bool plain = key.size() <= 64 && std::ranges::all_of(key, [](unsigned char c) {
+                         return std::isalnum(c) || c == '_' || c == '-';
+                       });
+    const auto value = s.scalar(key);
+    if (!plain || !value)
+      s.refuse(key, "be handed on to a program as a number, a text or a flag under a name of A-Z a-z 0-9 _ -");
+    if (const auto* real = std::get_if<double>(&*value); real && !std::isfinite(*real)) s.refuse(key, "be finite");
+    choice.knobs[key] = *value;
+  }
+  return choice;
 }
 
 /// One algorithm from a table with name, label and knobs. Where nobody says whether bodies inside others are hits, it
 /// follows the truth: an exact method then keeps its promise, which is judged on the truth that scores.
-AlgorithmChoice algorithm_choice(const Section& s, Containment containment) {
+AlgorithmChoice algorithm_choice(const Section& s, Containment containment, const std::filesystem::path& folder) {
   std::vector<std::string> names;
   for (const algorithms::Algorithm& a : algorithms::all()) names.push_back(a.name);
+  for (const algorithms::Algorithm& a : algorithms::added()) names.push_back(a.name);
+  names.push_back(program_row().name);
   if (!s.has("name")) s.fail("missing key '" + s.full("name") + "'; " + hint("", names));
   const std::string name = s.text("name", "");
+  if (name == program_row().name) {
+    AlgorithmChoice choice = program_choice(s, folder);
+    if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
+    return choice;
+  }
   const algorithms::Algorithm* row = algorithms::find(name);
   if (const algorithms::Algorithm* lacking = algorithms::find_missing(name))
     s.refuse("name", "be an algorithm of this build", "it needs " + algorithms::remedy(*lacking));
@@ -126,6 +196,8 @@ AlgorithmChoice algorithm_choice(const Section& s, Containment containment) {
 
   std::vector<std::string> known{"name", "label", "optional"};
   for (const algorithms::Knob& knob : row->knobs) known.push_back(knob.name);
+  const bool foreign = !row->library.sha256.empty();
+  if (foreign) known.insert(known.end(), kBudgetKeys.begin(), kBudgetKeys.end());
   s.only(known);
   AlgorithmChoice choice{.name = name, .label = s.text("label", name), .knobs = algorithms::presets(*row)};
   if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
@@ -133,32 +205,57 @@ AlgorithmChoice algorithm_choice(const Section& s, Containment containment) {
     if (knob.role == algorithms::Role::containment) choice.knobs[knob.name] = containment == Containment::meet;
     if (s.has(knob.name)) choice.knobs[knob.name] = knob_value(s, knob);
   }
+  if (foreign) choice.foreign = std::make_shared<Foreign>(library(*row, choice.knobs, read_budget(s)));
   return choice;
 }
 
-/// Whether a table may be left out because its library is missing: with optional = true, or where a result was read
-/// that another build made.
-bool left_out(const Section& s, bool recorded) {
-  return (s.boolean("optional", false) || recorded) && algorithms::find_missing(s.text("name", ""));
+/// What a table needs that is not here, where it may be left out for it; else empty. That is so with optional = true,
+/// or where a result was read that another build made or that names programs and libraries: they may be anybody's, and
+/// it starts none.
+std::string lacks(const Section& s, const Config& config, bool recorded) {
+  const std::string name = s.text("name", "");
+  if (recorded && name == program_row().name)
+    return "its program, which no result starts by itself; give it with --algorithm program:command=...";
+  const algorithms::Algorithm* missing = algorithms::find_missing(name);
+  if (const bool may_go = s.boolean("optional", false); missing && (may_go || recorded))
+    return algorithms::remedy(*missing);
+  if (!recorded || config.plugins.empty() || algorithms::find(name)) return "";
+  std::string libraries;
+  for (const Plugin& plugin : config.plugins)
+    libraries += (libraries.empty() ? "" : " or ") + one_line(plugin.written, 200);
+  return "its library, which no result starts by itself; give it with --plugin (" + libraries + ")";
 }
 
+/// The libraries, whose rows join the table unless `recorded`.
+std::vector<Plugin> read_plugins(const Section& root, const std::filesystem::path& folder, bool recorded) {
+  std::vector<Plugin> out;
+  if (!root.has("plugin")) return out;
+  for (const Section& s : root.sections("plugin")) {
+    s.only({"path"});
+    if (!s.has("path")) s.fail("missing key '" + s.full("path") + "'; write path = \"libmine.so\"");
+    const std::string path = s.text("path", "");
+    if (path.empty()) s.refuse("path", "name a shared library");
+    out.push_back(recorded ? Plugin{path, {}, {}} : add_plugin(path, folder, s.place("path")));
+  }
+  return out;
+}
+
+/// `recorded`: of a result.
 std::vector<AlgorithmChoice> algorithm_choices(const Section& root, Config& config, bool recorded) {
   std::vector<AlgorithmChoice> out;
   if (!root.has("algorithm")) {
     for (const algorithms::Algorithm& a : algorithms::all())
-      if (!a.thesis_key.empty()) out.push_back({a.name, a.name, algorithms::presets(a)});
+      if (!a.thesis_key.empty()) out.push_back({a.name, a.name, algorithms::presets(a), nullptr});
     return out;
   }
   std::set<std::string> taken;
   std::vector<std::string> missing;
   for (const Section& s : root.sections("algorithm")) {
-    if (left_out(s, recorded)) {
-      const std::string name = s.text("name", "");
-      missing.push_back("algorithm '" + s.text("label", name) + "' is left out: it needs " +
-                        algorithms::remedy(*algorithms::find_missing(name)));
+    if (const std::string lacking = lacks(s, config, recorded); !lacking.empty()) {
+      missing.push_back("algorithm '" + s.text("label", s.text("name", "")) + "' is left out: it needs " + lacking);
       continue;
     }
-    out.push_back(algorithm_choice(s, config.containment));
+    out.push_back(algorithm_choice(s, config.containment, config.path.parent_path()));
     if (taken.insert(out.back().label).second) continue;
     const std::string rule = "be the only one of its label";
     if (s.has("label")) s.refuse("label", rule, "give each algorithm a label of its own");
@@ -172,6 +269,13 @@ std::vector<AlgorithmChoice> algorithm_choices(const Section& root, Config& conf
 }
 
 // ---- Back to TOML ------------------------------------------------------------------------------------------------
+
+void write_foreign(const Foreign& foreign, TomlText& out) {
+  if (!foreign.command.words.empty()) out.list("command", foreign.command.words);
+  out.line("step_budget", foreign.budget.step);
+  out.line("time_budget", foreign.budget.all);
+  out.line("memory_budget", std::int64_t(foreign.budget.memory >> 20));
+}
 
 /// Every key with its value, in a fixed order.
 std::string effective(const Config& c) {
@@ -217,13 +321,32 @@ std::string effective(const Config& c) {
   if (c.gap_margin) out.line("gap_margin", *c.gap_margin);
   out.table("[timing]");
   out.line("repeats", c.repeats);
+  out.line("noise", c.noise);
+  if (c.pin) out.line("pin", *c.pin);
+  for (const Plugin& plugin : c.plugins) {
+    out.table("[[plugin]]");
+    out.line("path", plugin.written);
+  }
   for (const AlgorithmChoice& a : c.algorithms) {
     out.table("[[algorithm]]");
     out.line("name", a.name);
     out.line("label", a.label);
+    if (a.foreign) write_foreign(*a.foreign, out);
     for (const auto& [knob, value] : a.knobs) out.line(knob, value);
   }
   return out.text;
+}
+
+/// Of a recorded configuration the processor may be another machine's.
+void read_timing(const Section& timing, Config& config, bool recorded) {
+  timing.only({"repeats", "noise", "pin"});
+  config.repeats = timing.integer("repeats", config.repeats, 1, kMostRepeats);
+  config.noise = timing.boolean("noise", config.noise);
+  const std::int64_t pin = timing.integer("pin", -1, 0);
+  if (pin < 0) return;
+  config.pin = pin;
+  if (!recorded && !has_processor(*config.pin))
+    timing.refuse("pin", "be a processor that this program may use (" + processors_text() + ")", "or leave it out");
 }
 
 /// A seed from which nothing is drawn must not look as if it made a run of its own. The preset only says what is so
@@ -246,8 +369,11 @@ std::string bytes_of(const std::filesystem::path& path) {
   }
 }
 
-/// `recorded`: it is the effective configuration of a result.
-Config read_document(const Document& document, const std::filesystem::path& path, bool recorded) {
+/// What a configuration is read from: a file, whose libraries are looked at; a text; or a result.
+enum class From { file, text, result };
+
+Config read_document(const Document& document, const std::filesystem::path& path, From from,
+                     std::vector<Plugin> plugins = {}) {
   const Section root(document);
   Config config;
   config.path = path;
@@ -257,7 +383,7 @@ Config read_document(const Document& document, const std::filesystem::path& path
     config.effective = effective(config);
     return config;
   }
-  root.only({"title", "seed", "steps", "rate", "scene", "physics", "truth", "timing", "algorithm"});
+  root.only({"title", "seed", "steps", "rate", "scene", "physics", "truth", "timing", "plugin", "algorithm"});
   config.seed = root.integer("seed", config.seed, 0);
   if (root.has("seed")) config.seed_place = root.place("seed");
   config.steps = root.integer("steps", config.steps, 1, kMostSteps);
@@ -271,19 +397,23 @@ Config read_document(const Document& document, const std::filesystem::path& path
   }
   read_physics(root.section("physics"), config);
   read_truth(root.section("truth"), config);
-  config.repeats = root.section("timing").only({"repeats"}).integer("repeats", config.repeats, 1, kMostRepeats);
-  config.algorithms = algorithm_choices(root, config, recorded);
+  read_timing(root.section("timing"), config, from == From::result);
+  config.plugins = std::move(plugins);
+  for (Plugin& plugin : read_plugins(root, path.parent_path(), from != From::file))
+    if (from != From::file || std::ranges::find(config.plugins, plugin.path, &Plugin::path) == config.plugins.end())
+      config.plugins.push_back(std::move(plugin));
+  config.algorithms = algorithm_choices(root, config, from == From::result);
   config.effective = effective(config);
   return config;
 }
 
 Config parsed(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets,
-              bool recorded) {
+              From from, std::vector<Plugin> plugins = {}) {
   const std::string file = one_line(path.string(), 4096);
   if (text.size() > kMostBytes) throw Error(kInput, file + ": a configuration must be at most 16 MiB long, not more");
   Document document(text, file);
   for (const std::string& set : sets) document.set(set);
-  Config config = read_document(document, path, recorded);
+  Config config = read_document(document, path, from, std::move(plugins));
   config.text = text;
   return config;
 }
@@ -294,30 +424,57 @@ std::vector<AskedKey> asked_keys(const std::string& text) {
   std::vector<AskedKey> keys;
   Document document(text, "example");
   document.listen([&](const AskedKey& key) { keys.push_back(key); });
-  read_document(document, "example.toml", false);
+  read_document(document, "example.toml", From::text);
   return keys;
 }
 
 Config parse_config(const std::string& text, const std::filesystem::path& path, const std::vector<std::string>& sets) {
-  return parsed(text, path, sets, false);
+  return parsed(text, path, sets, From::text);
 }
 
 Config recorded_config(const std::string& effective, const std::string& file) {
   try {
-    return parsed(effective, file + ": /config@effective", {}, true);
+    return parsed(effective, file + ": /config@effective", {}, From::result);
   } catch (const Error& error) {
     throw Error(kFile, error.what());  // nobody wrote it: it is part of the file
   }
 }
 
-Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets) {
-  Config config = parse_config(bytes_of(path), path, sets);
-  if (config.scene_kind) refuse_idle_seed(config);
-  if (config.scene_kind && config.scene_kind->complete) {
+Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets,
+                   const std::vector<std::string>& plugins) {
+  Config config = parsed(bytes_of(path), path, sets, From::file, add_plugins(plugins));
+  if (config.study) return config;
+  refuse_idle_seed(config);
+  if (config.scene_kind->complete) {
     config.scene_kind->complete(config);
     config.effective = effective(config);
   }
+  find_files(config.algorithms);
+  for (const Plugin& plugin : config.plugins) config.inputs[plugin.written] = plugin.sha256;
+  for (const AlgorithmChoice& choice : config.algorithms)
+    if (choice.foreign) config.inputs.insert(choice.foreign->files.begin(), choice.foreign->files.end());
   return config;
+}
+
+void find_files(std::vector<AlgorithmChoice>& choices) {
+  for (AlgorithmChoice& choice : choices) {
+    if (!choice.foreign || choice.foreign->command.words.empty()) continue;
+    Foreign found = *choice.foreign;
+    const std::string& program = found.command.words.front();
+    if (program_of(found.command).empty())
+      throw Error(kInput,
+                  "algorithm '" + choice.label + "': command \"" + text_of(found.command) +
+                      "\": there is no program '" + one_line(program) + "' " +
+                      (program.find('/') == std::string::npos ? "along PATH" : "that can be executed") +
+                      "; give its path, relative to the configuration, or to the current folder after --algorithm");
+    for (const auto& [word, file] : files_of(found.command)) {
+      try {
+        found.files[word] = sha256(read_regular(AT_FDCWD, file));
+      } catch (const FileFailure&) {  // a program that may be executed and not read
+      }
+    }
+    choice.foreign = std::make_shared<Foreign>(std::move(found));
+  }
 }
 
 AlgorithmChoice parse_algorithm(const std::string& argument, Containment containment) {
@@ -344,7 +501,7 @@ AlgorithmChoice parse_algorithm(const std::string& argument, Containment contain
     begin = end + 1;
   }
   const Document document(texts, knobs, place);
-  return algorithm_choice(Section(document), containment);
+  return algorithm_choice(Section(document), containment, {});
 }
 
 }  // namespace pipeline

@@ -32,11 +32,18 @@ constexpr KeyText kTexts[] = {
     {"scene.plate", "m", "sides of the plate"},
     {"scene.shift", "m", "displaces every upper sphere along x, so that none falls on a pole"},
     {"scene.jitter", "m", "greatest random displacement of every upper sphere along each axis"},
-    {"scene.set.N.lying", "1", "lying spheres along x and z"},
-    {"scene.set.N.above", "1", "falling spheres along x and z"},
-    {"scene.set.N.corner", "m", "x and z of the first sphere of the set"},
-    {"scene.set.N.spacing", "m", "distance of neighbouring spheres"},
-    {"scene.set.N.height", "m", "height of the falling spheres' centres"},
+    {"scene.contact_spheres", "1", "spheres inside a mesh by which bodies that are no spheres touch, at most"},
+    {"scene.set.N.lying", "1", "lying bodies along x and z"},
+    {"scene.set.N.above", "1", "falling bodies along x, y and z"},
+    {"scene.set.N.corner", "m", "x and z of the first body of the set"},
+    {"scene.set.N.spacing", "m", "distance of neighbouring bodies"},
+    {"scene.set.N.height", "m", "height of the lowest falling bodies"},
+    {"scene.set.N.turned", "1", "the falling bodies are turned at random"},
+    {"scene.set.N.shapes.N.shape", "1", "what falls instead of spheres, one after another (`pipeline list shapes`)",
+     true},
+    {"scene.set.N.shapes.N.mesh", "1", "the same from a file (OBJ, OFF, STL or PLY); instead of shape", true},
+    {"scene.set.N.shapes.N.density", "kg/m^3", "density; without it that of the scene"},
+    {"scene.set.N.shapes.N.contact_spheres", "1", "as of the scene, of this one"},
     {"scene.half_width", "m", "from the middle of the cube to the inner faces"},
     {"scene.thickness", "m", "thickness of the plates"},
     {"scene.births.count", "1", "spheres that are born"},
@@ -51,8 +58,12 @@ constexpr KeyText kTexts[] = {
      true},
     {"scene.obstacle.N.name", "1", "name of the obstacle", true},
     {"scene.obstacle.N.shape", "1", "shape of the obstacle (`pipeline list shapes`)", true},
+    {"scene.obstacle.N.mesh", "1", "file of its mesh (OBJ, OFF, STL or PLY); instead of shape", true},
+    {"scene.obstacle.N.density", "kg/m^3", "as of the scene; nothing depends on it"},
+    {"scene.obstacle.N.contact_spheres", "1", "as of the scene, of this one"},
+    {"scene.obstacle.N.position", "m", "where it stands"},
     {"scene.obstacle.N.rotation", "degrees", "turns about axes of the world, one after another"},
-    {"scene.obstacle.N.orientation", "1", "w, x, y, z; instead of rotation", true},
+    {"scene.obstacle.N.orientation", "1", "w, x, y, z; in the playground instead of rotation", true},
     {"scene.path.N.name", "1", "name of the path; without it its axis or number"},
     {"scene.path.N.targets", "1", "obstacles that it goes through, one pass each; without it all"},
     {"scene.path.N.axis", "1", "axis along which it goes; else from and to", true},
@@ -111,9 +122,16 @@ constexpr KeyText kTexts[] = {
     {"truth.gap", "1", "bounds on the distance of near pairs that do not meet"},
     {"truth.gap_margin", "m", "how near; with gap = true"},
     {"timing.repeats", "1", "passes of every method over a step: the fastest and the median are kept"},
+    {"timing.noise", "1", "the first label is timed a second time: the noise floor; not of extremes"},
+    {"timing.pin", "1", "number of the one processor that times are taken on; without it any", true},
+    {"plugin.N.path", "1", "shared library of methods, relative to the configuration (algorithms/README.md)", true},
     {"algorithm.N.name", "1", "`pipeline list algorithms`; its knobs are further keys", true},
     {"algorithm.N.label", "1", "name of its answers; without it that of the algorithm"},
     {"algorithm.N.optional", "1", "left out, and said, by a build without its library"},
+    {"algorithm.N.command", "1", "of a program of others: the program and its words; further keys are its knobs", true},
+    {"algorithm.N.step_budget", "s", "of a method of others: for one answer, at most"},
+    {"algorithm.N.time_budget", "s", "of a method of others: for its set-up and all answers together, at most"},
+    {"algorithm.N.memory_budget", "MiB", "of a method of others: data of its process, at most"},
     {"every", "1", "of all cases only every one that this number divides is run"},
     {"bodies", "1", "free: each body by itself; tree: Simbody's multibody tree"},
     {"budget.force_evaluations", "1", "of a case, at most"},
@@ -148,7 +166,9 @@ struct Example {
 
 /// What beside `kind` makes a reader ask for more.
 const std::multimap<std::string, std::string> kMore = {
-    {"falling", "[[scene.set]]\n"},
+    {"falling",
+     "[[scene.obstacle]]\nname = 'a'\nmesh = 'a.obj'\n[[scene.obstacle]]\nname = 'b'\nshape = 'sphere'\n"
+     "radius = 1\n[[scene.set]]\nshapes = [{mesh = 'b.obj'}, {shape = 'sphere', radius = 1}]\n"},
     {"playground",
      "hero = {shape = 'sphere', radius = 1}\n[[scene.obstacle]]\nname = 'a'\nshape = 'sphere'\nradius = 1\n"
      "[[scene.obstacle]]\nname = 'b'\nshape = 'sphere'\nradius = 1\norientation = [1, 0, 0, 0]\n"
@@ -173,7 +193,9 @@ std::vector<Example> examples() {
   for (const SceneKind& kind : scene_kinds()) {
     const auto [first, last] = kMore.equal_range(kind.name);
     const std::string head = "[scene]\nkind = '" + kind.name + "'\n",
-                      tail = "[truth]\ngap = true\n[[algorithm]]\nname = 'aabb'\n";
+                      tail =
+                          "[truth]\ngap = true\n[[plugin]]\npath = 'libmine.so'\n[[algorithm]]\nname = 'aabb'\n"
+                          "[[algorithm]]\nname = 'program'\ncommand = ['x']\n";
     if (first == last) out.push_back({kind.name, head + tail});
     for (auto more = first; more != last; ++more) out.push_back({kind.name, head + more->second + tail});
   }
@@ -199,7 +221,7 @@ std::string numberless(const std::string& path) {
 
 /// The key of a shape, whatever has it, as SHAPE.radius.
 std::string general(const std::string& path) {
-  for (const std::string holder : {"scene.hero.", "scene.obstacle.N.", "scene.body.N."})
+  for (const std::string holder : {"scene.hero.", "scene.obstacle.N.", "scene.body.N.", "scene.set.N.shapes.N."})
     if (path.starts_with(holder)) {
       const std::string shape = "SHAPE." + path.substr(holder.size());
       if (std::ranges::any_of(kTexts, [&](const KeyText& text) { return shape == text.path; })) return shape;

@@ -125,8 +125,6 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   const double motion = steps * (double(plan.bodies) * sizeof(geometry::Pose) + 40);
   const double meshes = 24 * double(size.mesh_vertices) + 12 * double(size.mesh_triangles);
   double result = kProgram + meshes + motion;
-  // Files that were read stay in the configuration, and once more in the scene.
-  if (!config.inputs.empty()) result += meshes + motion;
 
   const double moving = config.scene_kind->integrated ? double(plan.bodies) : 0;
   const double spheres = kContactSphere * double(size.contact_spheres);
@@ -166,7 +164,7 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
 }
 
 algorithms::Memory memory_of(const AlgorithmChoice& choice, const geometry::Bodies& bodies) {
-  return algorithms::memory(*algorithms::find(choice.name), bodies, choice.knobs);
+  return algorithms::memory(row_of(choice), bodies, choice.knobs);
 }
 
 std::vector<LabelPlan> labels_of(const geometry::Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
@@ -292,6 +290,32 @@ std::string largest_text(const Plan& plan) {
          ": sampling fewer facets takes less)";
 }
 
+/// What a method of others is, and what it says of itself where it was asked.
+std::string foreign_text(const AlgorithmChoice& choice, const Plan& plan) {
+  if (!choice.foreign) return "";
+  const Foreign& foreign = *choice.foreign;
+  std::string text = "            a " + foreign.transport;
+  if (!foreign.command.words.empty()) text += ": " + text_of(foreign.command);
+  if (const auto found = plan.abouts.find(choice.label); found != plan.abouts.end()) {
+    const About& about = found->second;
+    text += "; " + about.name + (about.version.empty() ? "" : " " + about.version) +
+            (about.language.empty() ? "" : ", " + about.language) + ", " + about.precision + " precision, promise " +
+            std::string(algorithms::text(about.promise)) + ", scope " + std::string(algorithms::text(about.scope));
+  }
+  return text + print("\n            at most %g s a step, %g s in all, %s; how long it takes is not foreseen\n",
+                      foreign.budget.step, foreign.budget.all, mebibytes_text(foreign.budget.memory).c_str());
+}
+
+Json foreign_json(const AlgorithmChoice& choice, const Plan& plan) {
+  const Foreign& foreign = *choice.foreign;
+  Json json = {{"transport", foreign.transport},    {"command", foreign.command.words},
+               {"files_sha256", foreign.files},     {"step_budget", foreign.budget.step},
+               {"time_budget", foreign.budget.all}, {"memory_budget", foreign.budget.memory >> 20}};
+  if (const auto found = plan.abouts.find(choice.label); found != plan.abouts.end())
+    json["says"] = Json::parse(text_of(found->second));
+  return json;
+}
+
 }  // namespace
 
 void refuse_if_too_large(const Plan& plan, const std::filesystem::path& output) {
@@ -347,14 +371,17 @@ std::string plan_text(const Config& config, const Plan& plan, const Seconds& tim
   }
   text += of_products;
   const bool facets = std::ranges::any_of(config.algorithms, [](const AlgorithmChoice& choice) {
-    return algorithms::samples_facets(*algorithms::find(choice.name), choice.knobs);
+    return algorithms::samples_facets(row_of(choice), choice.knobs);
   });
   if (!facets) text += "facets      no chosen algorithm samples them, so no facet points are computed\n";
   for (const auto& [file, hash] : config.inputs) text += "input       " + file + "\n";
   for (const AlgorithmChoice& choice : config.algorithms)
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
-            knobs_json(choice.knobs) + "\n";
-  text += print("timing      %lld repeats\n", static_cast<long long>(config.repeats));
+            knobs_json(choice.knobs) + "\n" + foreign_text(choice, plan);
+  text += print("timing      %lld repeats", static_cast<long long>(config.repeats));
+  if (config.noise && !config.algorithms.empty())
+    text += ", " + config.algorithms.front().label + " a second time for the noise floor";
+  text += config.pin ? print(", on processor %lld\n", static_cast<long long>(*config.pin)) : "\n";
   // Who takes much of it: a tenth, or more than the program itself.
   for (const LabelPlan& label : plan.labels)
     if (label.memory.greatest > std::uint64_t(16 * kMiB) && 10 * label.memory.greatest > plan.memory_bytes)
@@ -385,6 +412,8 @@ std::string plan_json(const Config& config, const Plan& plan, const Seconds& tim
   for (const AlgorithmChoice& choice : config.algorithms)
     json["algorithms"].push_back(
         {{"label", choice.label}, {"name", choice.name}, {"knobs", Json::parse(knobs_json(choice.knobs))}});
+  for (const AlgorithmChoice& choice : config.algorithms)
+    if (choice.foreign) json["foreign"][choice.label] = foreign_json(choice, plan);
   for (std::size_t i = 0; i < plan.labels.size(); ++i)
     json["algorithms"][i]["memory_bytes"] = plan.labels[i].memory.greatest;
   return dumped(json);

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ struct Plan {
   std::uint64_t file_bytes = 0, memory_bytes = 0;
   std::uint64_t result_bytes = 0;      // of the result in memory: what is written, before deflate
   std::vector<LabelPlan> labels = {};  // of the algorithms, in their order; of extremes what two bodies take at most
+  std::map<std::string, About> abouts =
+      {};                  // by label, what methods of others say of themselves, where they were asked
   double alone_bytes = 0;  // of extremes: what all methods together take of two bodies, the mean over meshes
   double restarts = 0;     // of the integrator
 

@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
+#include "pipeline/amended.hpp"
 #include "pipeline/plan.hpp"
 #include "pipeline/result/checkpoint.hpp"
 #include "pipeline/result/product.hpp"
@@ -15,10 +17,8 @@
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/detect.hpp"
-#include "pipeline/stages/extremes.hpp"
+#include "pipeline/stages/evaluate.hpp"
 #include "pipeline/stages/motion.hpp"
-#include "pipeline/stages/passes.hpp"
-#include "pipeline/stages/summary.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/study/study.hpp"
 #include "pipeline/system/threads.hpp"
@@ -59,21 +59,7 @@ void describe(Result& result, const Config& config, Provenance from, std::chrono
   result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// What algorithms answer about a motion and its truth; of extremes, which have `sets`, also case by case.
-ExtremesDetected answered(const Result& result, const std::vector<CaseSet>& sets,
-                          const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Checkpoint* part,
-                          bool quiet, Forecast& forecast) {
-  Progress progress("detect", result.steps(), quiet, &forecast);
-  if (sets.empty())
-    return {detect(result.bodies, result.motion, result.truth, choices, repeats, machine(), part, progress), {}};
-  return detect_extremes(result.bodies, result.motion, result.truth, sets, choices, repeats, machine(), part, progress);
-}
-
-/// Those that follow from the rest of the result.
-void make_products(Result& result) {
-  for (const Product& product : products())
-    if (product.make) product.make(result);
-}
+TimingRules timing_of(const Config& config) { return {config.repeats, config.noise, config.pin}; }
 
 /// Digest, file and its place.
 void store(Result& result, OutputFile& target, bool quiet, Forecast& forecast) {
@@ -113,6 +99,7 @@ Result run_study(const Config& config, const RunOptions& options, std::chrono::s
 void refuse_own_input(const Config& config, const fs::path& output) {
   std::vector<fs::path> read = {config.path};
   for (const auto& [file, hash] : config.inputs) read.push_back(config.path.parent_path() / file);
+  for (const Plugin& plugin : config.plugins) read.push_back(plugin.path);
   for (const fs::path& file : read)
     if (std::error_code none; fs::equivalent(file, output, none))
       throw Error(kFile, output.string() + ": is read by this run; choose another -o");
@@ -121,6 +108,56 @@ void refuse_own_input(const Config& config, const fs::path& output) {
 /// What a stage freed goes back to the kernel: the next one has other sizes, and their peaks would add up, since what
 /// integrators free is kept while they run (pipeline/physics/simulate.cpp).
 void give_back() { malloc_trim(0); }
+
+/// Of extremes every mesh is there without the others, so that each is named.
+void warn_of_open_meshes(const Config& config, const Scene& scene) {
+  if (scene.case_sets.empty() || config.containment == Containment::ignore) return;
+  for (const geometry::Mesh& mesh : scene.bodies.meshes)
+    if (const geometry::Solid solid = geometry::solid_of(mesh, config.closed_within); !solid.closed)
+      std::fprintf(stderr, "warning: mesh '%s': the surface is open, %s; nothing can be inside it\n", mesh.name.c_str(),
+                   geometry::open_text(solid).c_str());
+}
+
+/// The motion stage: bodies, poses and, where they are integrated, /physics.
+void make_motion(const Config& config, Scene& scene, const Plan& planned, Checkpoint& part, bool quiet,
+                 Forecast& forecast, Result& result) {
+  Progress progress("motion", std::uint64_t(config.steps), quiet, &forecast);
+  if (config.scene_kind->integrated) {
+    // While the motion is made, how long its answers will take is looked at where that is worth the time.
+    std::optional<Looks> looks;
+    AfterChunk after_chunk;
+    if (const Stage* detecting = forecast.find("detect"); detecting && detecting->seconds() > 5 * kTrial) {
+      looks.emplace(scene.bodies, config.algorithms, config.repeats, planned, *detecting);
+      after_chunk = [&](const auto& poses) { forecast.improve(looks->look(poses)); };
+    }
+    try {
+      Motion motion = integrate(config, scene, part, progress, after_chunk);
+      result.motion = std::move(motion.poses);
+      result.products.put(std::move(motion.physics));
+    } catch (const Error& error) {
+      if (error.code() == kInput) part.remove();  // no run of this configuration can ever finish: nothing stays
+      throw;
+    }
+  } else {
+    result.motion = std::move(scene.script);
+    progress.add(std::uint64_t(config.steps));
+  }
+  result.bodies = std::move(scene.bodies);
+  result.first_step = first_steps(result.motion, result.bodies.size());
+}
+
+/// Throws Error for a label that is there already, unless forced, or is given twice.
+void check_labels(const std::vector<AlgorithmChoice>& choices, const Result& result, const std::string& file,
+                  bool force) {
+  std::set<std::string> given;
+  for (const AlgorithmChoice& choice : choices) {
+    if (place_of(choice.label, result) < result.answers.size() && !force)
+      throw Error(kFile, file + ": has answers labelled '" + choice.label +
+                             "' already; --force replaces them, or give another label with @LABEL");
+    if (!given.insert(choice.label).second)
+      throw Error(kInput, "--algorithm: the label '" + choice.label + "' is given twice; name another with @LABEL");
+  }
+}
 
 }  // namespace
 
@@ -140,11 +177,7 @@ Result run(const Config& config, const RunOptions& options) {
   if (config.study) return run_study(config, options, start);
 
   Scene scene = make_scene(config);
-  if (!scene.case_sets.empty() && config.containment != Containment::ignore)
-    for (const geometry::Mesh& mesh : scene.bodies.meshes)
-      if (const geometry::Solid solid = geometry::solid_of(mesh, config.closed_within); !solid.closed)
-        std::fprintf(stderr, "warning: mesh '%s': the surface is open, %s; nothing can be inside it\n",
-                     mesh.name.c_str(), geometry::open_text(solid).c_str());
+  warn_of_open_meshes(config, scene);
   const int threads = thread_count(options.threads);
   const Plan planned = plan(config, scene, threads);
   refuse_if_too_large(planned, output);
@@ -156,67 +189,21 @@ Result run(const Config& config, const RunOptions& options) {
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
   Forecast forecast;
   if (!options.quiet) forecast = Forecast(foreseen_stages(config, scene, planned, threads, kTrial));
-  const std::uint64_t steps = std::uint64_t(config.steps);
 
-  // While the motion is made, how long its answers will take is looked at where that is worth the time.
-  std::optional<Looks> looks;
-  AfterChunk after_chunk;
-  if (const Stage* detecting = forecast.find("detect");
-      detecting && detecting->seconds() > 5 * kTrial && config.scene_kind->integrated) {
-    looks.emplace(scene.bodies, config.algorithms, config.repeats, planned, *detecting);
-    after_chunk = [&](const auto& poses) { forecast.improve(looks->look(poses)); };
-  }
   Result result;
-  {
-    Progress progress("motion", steps, options.quiet, &forecast);
-    if (config.scene_kind->integrated) {
-      Motion motion;
-      try {
-        motion = integrate(config, scene, part, progress, after_chunk);
-      } catch (const Error& error) {
-        if (error.code() == kInput) part.remove();  // no run of this configuration can ever finish: nothing stays
-        throw;
-      }
-      result.motion = std::move(motion.poses);
-      result.products.put(std::move(motion.physics));
-    } else {
-      result.motion = std::move(scene.script);
-      progress.add(steps);
-    }
-  }
-  looks.reset();
+  make_motion(config, scene, planned, part, options.quiet, forecast, result);
   give_back();
-  result.bodies = std::move(scene.bodies);
   {
-    Progress progress("truth", steps, options.quiet, &forecast);
+    Progress progress("truth", result.steps(), options.quiet, &forecast);
     result.truth = decide(result.bodies, result.motion, threads, part, progress, config.containment, config.gap_margin);
   }
   give_back();
-  if (!scene.case_sets.empty()) {
-    Progress progress("cases", steps, options.quiet, &forecast, "case");
-    Extremes extremes;
-    extremes.rows =
-        extreme_rows(result.bodies, result.motion, result.truth, scene.case_sets, std::move(scene.cases), progress);
-    result.products.put(std::move(extremes));
-  }
-  ExtremesDetected found =
-      answered(result, scene.case_sets, config.algorithms, config.repeats, &part, options.quiet, forecast);
-  result.answers = std::move(found.answers);
+  Evaluation found = evaluate({result.bodies, result.motion, result.truth, scene, result.products}, config.algorithms,
+                              timing_of(config), &part, options.quiet, forecast);
   give_back();
-  if (Extremes* extremes = result.products.find<Extremes>()) extremes->answers = std::move(found.cases);
-  if (!scene.passes.empty()) {
-    Progress progress("passes", scene.passes.size() * (1 + result.answers.size()), options.quiet, &forecast, "pass");
-    Passes passes;
-    passes.rows = pass_rows(result.bodies, result.motion, result.truth, scene.passes, progress);
-    for (std::size_t a = 0; a < result.answers.size(); ++a)
-      passes.answers.push_back(pass_answers(result.bodies, result.motion, result.truth, scene.passes, passes.rows,
-                                            result.answers[a], config.algorithms[a], progress));
-    result.products.put(std::move(passes));
-  }
-  const std::uint64_t pairs = judged_pairs(result);
-  for (const Answers& answers : result.answers) result.summary.push_back(summarise(answers, pairs));
-
-  result.first_step = first_steps(result.motion, result.bodies.size());
+  result.answers = std::move(found.answers);
+  result.summary = std::move(found.summary);
+  result.products.join(std::move(found.products));
   make_products(result);
   describe(result, config, std::move(from), start);
   part.mark_complete();
@@ -226,18 +213,10 @@ Result run(const Config& config, const RunOptions& options) {
 }
 
 Result detect_again(const fs::path& file, const std::vector<std::string>& arguments, const RunOptions& options) {
+  add_plugins(options.plugins);
   for (const std::string& argument : arguments) parse_algorithm(argument);  // mistakes are said before the file is read
-  std::error_code missing;
-  const fs::path real = fs::canonical(file, missing);  // a link stays one
-  if (missing) read_result(file, options.unsealed);    // throws what is wrong
-  OutputFile target(real, Existing::update);
-  Result result = read_result(real, options.unsealed);
-  if (!result.foreign.empty())
-    throw Error(
-        kFile, file.string() + ": holds '" + one_line(result.foreign.front()) +
-                   "', which is not this program's and would be lost; take it out first, or work on a copy without it");
-  if (const Product* product = stands_alone(result))
-    throw Error(kFile, file.string() + ": is " + product->what + ", without poses to answer; name a result of a scene");
+  Amended amended(file, options.unsealed);
+  Result& result = amended.result;
   const Config config = recorded_config(result.config_effective, file.string());
   result.bodies.closed_within = config.closed_within;
   std::vector<AlgorithmChoice> choices;
@@ -248,72 +227,24 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     if (choices.empty())
       throw Error(kInput, file.string() + ": this build has none of its algorithms; name others with --algorithm");
   }
+  find_files(choices);
 
-  const auto index_of = [&](const std::string& label) {
-    const auto same = [&](const Answers& answers) { return answers.label == label; };
-    return std::find_if(result.answers.begin(), result.answers.end(), same) - result.answers.begin();
-  };
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    const std::string& label = choices[i].label;
-    if (index_of(label) < std::ptrdiff_t(result.answers.size()) && !options.force)
-      throw Error(kFile, file.string() + ": has answers labelled '" + label +
-                             "' already; --force replaces them, or give another label with @LABEL");
-    for (std::size_t j = 0; j < i; ++j)
-      if (choices[j].label == label)
-        throw Error(kInput, "--algorithm: the label '" + label + "' is given twice; name another with @LABEL");
-  }
-
-  std::vector<CaseSet> sets;
-  if (result.products.find<Extremes>()) {
-    sets = config.scene_kind->make(config).case_sets;
-    if (sets.empty() || std::size_t(sets.back().first_step + sets.back().steps) != result.steps())
-      throw Error(kFile, file.string() + ": its cases are not those of its configuration; run again with --force");
-  } else {
-    refuse_unfit(result.bodies, choices);
-  }
-  const Passes* passes_before = result.products.find<Passes>();
+  check_labels(choices, result, file.string(), options.force);
+  const Scene scene = recorded_scene(result, config, file.string());
   Forecast forecast;
-  if (!options.quiet && sets.empty()) {
-    const Plan planned = plan(result.bodies, result.steps(), choices);
-    forecast = Forecast(foreseen_stages(result.bodies, result.motion, choices, config.repeats,
-                                        passes_before ? passes_before->rows.size() : 0, planned, kTrial));
+  if (scene.case_sets.empty()) {
+    refuse_unfit(result.bodies, choices);
+    if (!options.quiet)
+      forecast = Forecast(foreseen_stages(result.bodies, result.motion, choices, config.repeats, scene.passes.size(),
+                                          plan(result.bodies, result.steps(), choices), kTrial));
   }
-  ExtremesDetected found = answered(result, sets, choices, config.repeats, nullptr, options.quiet, forecast);
-  Products fresh_products;
-  if (!sets.empty()) fresh_products.put(Extremes{.rows = {}, .answers = std::move(found.cases)});
-  std::vector<Answers>& fresh = found.answers;
-  if (passes_before) {
-    // The file holds where the hero was at its samples; where it was between them its configuration says.
-    const std::vector<Pass> passes = config.scene_kind->make(config).passes;
-    const auto same = [&](const Pass& pass, const PassRow& row) {
-      return std::uint64_t(pass.first_step) == row.first_step && std::uint64_t(pass.samples) == row.samples &&
-             row.samples <= result.steps() && row.first_step <= result.steps() - row.samples;
-    };
-    if (!std::ranges::equal(passes, passes_before->rows, same))
-      throw Error(kFile, file.string() + ": its passes are not those of its configuration; run again with --force");
-    Progress progress("passes", passes.size() * fresh.size(), options.quiet, &forecast, "pass");
-    Passes said;
-    for (std::size_t a = 0; a < fresh.size(); ++a)
-      said.answers.push_back(pass_answers(result.bodies, result.motion, result.truth, passes, passes_before->rows,
-                                          fresh[a], choices[a], progress));
-    fresh_products.put(std::move(said));
-  }
-  const std::uint64_t pairs = judged_pairs(result);
-  for (std::size_t i = 0; i < fresh.size(); ++i) {
-    Answers& answers = fresh[i];
-    const std::size_t at = std::size_t(index_of(answers.label));
-    if (at == result.answers.size()) {
-      result.answers.emplace_back();
-      result.summary.emplace_back();
-    }
-    for (const Product& product : products())
-      if (product.take && product.has(result)) product.take(fresh_products, i, result.products, at);
-    result.summary[at] = summarise(answers, pairs);
-    result.answers[at] = std::move(answers);
-  }
-  make_products(result);
-  store(result, target, options.quiet, forecast);
-  return result;
+  Evaluation found = evaluate({result.bodies, result.motion, result.truth, scene, result.products}, choices,
+                              timing_of(config), nullptr, options.quiet, forecast);
+  add(std::move(found), result);
+  for (const AlgorithmChoice& choice : choices)
+    if (choice.foreign) add_inputs(nlohmann::json(choice.foreign->files), result);
+  store(result, amended.target, options.quiet, forecast);
+  return std::move(result);
 }
 
 std::vector<std::string> failures(const Result& result) {
@@ -324,6 +255,9 @@ std::vector<std::string> failures(const Result& result) {
   for (std::size_t a = 0; a < result.answers.size(); ++a) {
     const Answers& answers = result.answers[a];
     const Summary& row = result.summary[a];
+    if (failed(answers))
+      lines.push_back(answers.label + " failed after " + std::to_string(answers.foreign->steps_done) + " of " +
+                      std::to_string(result.steps()) + " steps: " + answers.foreign->reason);
     if (row.promise_kept) continue;
     std::string line = answers.label + " breaks its promise (" + answers.promise + "): ";
     line += std::to_string(row.false_negative) + " false negatives";

@@ -10,11 +10,12 @@
 namespace pipeline {
 
 struct RunOptions {
-  std::filesystem::path output;  // empty: results/<config name>.h5 under the current folder
-  int threads = 0;               // of the truth stage; 0: all cores
-  bool force = false;            // replace an existing output, discard another run's part
-  bool quiet = false;            // no progress
-  bool unsealed = false;         // of an existing file: read it although its seal does not hold
+  std::filesystem::path output;           // empty: results/<config name>.h5 under the current folder
+  int threads = 0;                        // of the truth stage; 0: all cores
+  bool force = false;                     // replace an existing output, discard another run's part
+  bool quiet = false;                     // no progress
+  std::vector<std::string> plugins = {};  // libraries of the command line
+  bool unsealed = false;                  // of an existing file: read it although its seal does not hold
 };
 
 std::filesystem::path output_path(const Config& config, const RunOptions& options);

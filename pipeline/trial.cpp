@@ -55,6 +55,7 @@ class Asked {
     // Scattered, so that those that there is no time for are like the others.
     for (std::size_t i = 0; i < choices.size(); ++i) {
       const std::size_t c = scattered(i);
+      if (choices[c].foreign) continue;  // its time is no time of ours, and starting it is a thing of its own
       const algorithms::Memory& memory = plan.labels[c].memory;
       if (memory.greatest > kLarge) {
         set_up += kSetUp * double(memory.greatest);
@@ -66,7 +67,7 @@ class Asked {
       }
       const double before = spent();
       try {
-        methods_[c] = algorithms::find(choices[c].name)->make(bodies, choices[c].knobs);
+        methods_[c] = make_method(choices[c], bodies);
       } catch (const std::invalid_argument&) {  // said elsewhere
       }
       set_up += spent(before);

@@ -5,8 +5,8 @@
 
 NAME.toml in tests/baselines says what is moved, NAME.json what was answered (`pipeline score`). The motions are files
 of tests/data, scripts or a CSV, so no simulation has a part in it and every machine must find the same. Every algorithm
-of `pipeline list algorithms` is asked with its presets, except those of other people's libraries: their answers and operations
-may change with the library's version.
+of `pipeline list algorithms` is asked with its presets, except those of other people's libraries: their answers and
+operations may change with the library's version.
 """
 import argparse
 import json

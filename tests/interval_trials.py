@@ -18,7 +18,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from analysis.tables import intervals
+from analysis.tables import intervals  # noqa: E402
 
 RATIO = 1.1
 
@@ -54,4 +54,5 @@ if __name__ == "__main__":
     for steps in (250, 600, 2000):
         for factor in (0.0, 0.3, 0.5, 0.7, 0.9):
             share, width = coverage(2000, steps, factor, 1)
-            print(f"{steps:5} steps, autocorrelation {factor}: holds it in {100 * share:.1f} % of 2000, width {100 * width:.2f} %")
+            print(f"{steps:5} steps, autocorrelation {factor}: holds it in {100 * share:.1f} % of 2000, width "
+                  f"{100 * width:.2f} %")

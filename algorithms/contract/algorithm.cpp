@@ -58,8 +58,7 @@ Memory memory(const Algorithm& row, const Bodies& bodies, const Knobs& knobs) {
 }
 
 std::string remedy(const Algorithm& row) {
-  return row.library.name + ", which this build is without; scripts/peers installs it (" + row.library.package +
-         ") and builds anew";
+  return row.library.name + "; scripts/peers installs it (" + row.library.package + ") and builds anew";
 }
 
 bool samples_facets(const Algorithm& row, const Knobs& knobs) {

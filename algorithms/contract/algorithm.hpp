@@ -148,7 +148,7 @@ void add(Algorithm row);
 const Algorithm* find(std::string_view name);
 const Algorithm* find_missing(std::string_view name);
 
-/// What a row of missing() needs and how to get it: "FCL, which this build is without; scripts/peers ...".
+/// What a row of missing() needs and how to get it: "FCL; scripts/peers installs it ...".
 std::string remedy(const Algorithm& row);
 
 /// Whether its methods sample facets with these knobs, its own or its prefilter's.

@@ -63,6 +63,7 @@ Knob knob_of(const collision_knob& from, const std::string& row) {
       if (from.preset.integer != 0 && from.preset.integer != 1)
         refuse(whose + "the preset of a flag must be 0 or 1, not " + std::to_string(from.preset.integer));
       knob.preset = from.preset.integer == 1;
+      if (knob.name == "containment") knob.role = Role::containment;
       break;
     case COLLISION_INTEGER:
       knob.preset = from.preset.integer;

@@ -2,7 +2,7 @@
  * long as the half diagonal of its mesh, overlap. Answers are equal to the built-in ones, pair by pair.
  *
  *     cc -std=c99 -O3 -fPIC -shared -fvisibility=hidden -I algorithms algorithms/plugin/bounding_spheres.c -lm
- *        -o libbounding_spheres_c.so
+ *         -o libbounding_spheres_c.so
  *
  * -std=c99 also forbids fused multiply-add, which would round otherwise where the processor has it. */
 #include <math.h>

@@ -198,7 +198,8 @@ def other_procedure(run):
     if not found:
         return ""
     return (
-        f' {listed(found)} is timed in another procedure than the thesis\'s: with search = "indexed" it leaves out points '
+        f' {listed(found)} is timed in another procedure than the thesis\'s: with search = "indexed" it leaves out '
+        'points '
         "that surely are not near, where the thesis compared all."
     )
 
@@ -225,8 +226,8 @@ def stretch(values):
 
 
 def stretches(columns, reduce, count=10):
-    """What a line over steps shows, in few numbers: a row per name of `columns` (name -> (n) values), `reduce` over each
-    of `count` equal stretches of steps."""
+    """What a line over steps shows, in few numbers: a row per name of `columns` (name -> (n) values), `reduce` over
+    each of `count` equal stretches of steps."""
     length = len(next(iter(columns.values())))
     edges = np.linspace(0, length, min(count, length) + 1).astype(int)
     heads = [f"steps {a} to {b - 1}" if b - a > 1 else f"step {a}" for a, b in zip(edges, edges[1:])]

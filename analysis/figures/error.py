@@ -45,7 +45,7 @@ def against(scene, points, cost, key, apart=""):
     points["front"] = pareto.front(points[cost], points.error) if len(points) else False
     fig, titles, nameless = _draw(points, cost)
     caption = " ".join(
-        filter(None, [_caption(scene, points, cost), apart, _left_out(left_out), _without_name(nameless)])
+        filter(None, [_caption(scene, points, cost), _asked(points, cost), apart, _left_out(left_out), _without_name(nameless)])
     )
     return Figure(finding(points, cost), svg_of(fig, titles), caption, _table(points, cost, scene), key)
 
@@ -68,13 +68,15 @@ def finding(points, cost):
         return f"No algorithm errs on this scene; {first.label} is the {cheapest}, {show(first[cost])}{equals}"
     if len(worth) == 1 or first.error == best.error:
         least = "makes no error" if best.error == 0 else f"errs least, {number(best.error)},"
-        words = f"{first.label} {least} and is also the {cheapest}, {show(first[cost])}: no other is worth its cost here"
+        words = (f"{first.label} {least} and is also the {cheapest}, {show(first[cost])}: no other is worth its cost "
+                 "here")
         return words + equals
     faster = worth[[row.error > best.error and told(row, best) for _, row in worth.iterrows()]]
     least = "makes no error" if best.error == 0 else f"errs least, {number(best.error)},"
     if not len(faster):
         return (
-            f"{best.label} {least} at {show(best[cost])} and is as fast as {first.label}, {show(first[cost])}, which errs"
+            f"{best.label} {least} at {show(best[cost])} and is as fast as {first.label}, {show(first[cost])}, which "
+            "errs"
             f" {number(first.error)}: no other is worth its cost here"
         )
     second = faster.iloc[-1]
@@ -101,7 +103,8 @@ def _few(names):
 def costs(scene, points, key):
     """The figure of what `points` cost besides time per step: set-up and memory. None when no file says."""
     points = points.reset_index(drop=True)
-    if not {"setup_ns", "memory_bytes"} <= set(points) or not points[["setup_ns", "memory_bytes"]].notna().any(axis=None):
+    if not {"setup_ns",
+            "memory_bytes"} <= set(points) or not points[["setup_ns", "memory_bytes"]].notna().any(axis=None):
         return None
     points = points.sort_values(["time_mean_ns", "error"], ignore_index=True)
     table = pd.DataFrame({
@@ -118,13 +121,15 @@ def costs(scene, points, key):
     unknown = f" Nothing is known of the memory of {', '.join(unknown)}." if unknown else ""
     caption = (
         f"{scene.title}: {counted(len(points), 'label')}, the fastest per step first. Set-up is made once a run and no"
-        " part of the time per step: hierarchies, hulls, points. Memory is heap as malloc counts it, to about a percent:"
+        " part of the time per step: hierarchies, hulls, points. Memory is heap as malloc counts it, to about a "
+        "percent:"
         f" filled after set-up, hollow the most at any time.{rest}{unknown}"
     )
     fig, (left, right) = figure(1, 2, height=0.85 + 0.2 * max(len(drawn), 3), sharey=True)
     rows = np.arange(len(drawn))[::-1]
     for row, (_, point) in zip(rows, drawn.iterrows()):
-        look = {"color": style(point.algorithm)["color"], "marker": style(point.algorithm)["marker"], "linestyle": "none"}
+        look = {"color": style(point.algorithm)["color"], "marker": style(point.algorithm)["marker"],
+                "linestyle": "none"}
         left.plot([point.setup_ns], [row], **look)
         right.plot([point.memory_bytes, point.memory_greatest_bytes], [row, row], color=look["color"], linewidth=0.8)
         right.plot([point.memory_greatest_bytes], [row], **look, markerfacecolor="white", markeredgewidth=1.2)
@@ -143,8 +148,8 @@ def costs(scene, points, key):
         room = max((values.max() / values.min()) ** 0.1, 1.5)
         limits = values.min() / room, values.max() * room
         axes.set_xlim(limits)
-        # At most four ticks: their names are long.
-        ticks = _fixed(limits, 2).locs
+        # At most four ticks: their names are long. Of memory such as 100 KiB, 1 MiB.
+        ticks = _fixed(limits, 2).locs if shown_as is time else _binary(limits)
         axes.xaxis.set_major_locator(FixedLocator(ticks[:: max(1, -(-len(ticks) // 4))]))
         axes.xaxis.set_major_formatter(lambda value, _, shown_as=shown_as: shown_as(value))
         axes.xaxis.set_minor_locator(NullLocator())
@@ -153,13 +158,20 @@ def costs(scene, points, key):
     return Figure(_costs_finding(points), svg_of(fig), caption, table, key)
 
 
+def _binary(limits):
+    """1, 10 and 100 of B, KiB, MiB and GiB within limits; their middle where there is none."""
+    ticks = [unit * times for unit in (1, 1 << 10, 1 << 20, 1 << 30) for times in (1, 10, 100)]
+    return [tick for tick in ticks if limits[0] <= tick <= limits[1]] or [float(np.sqrt(limits[0] * limits[1]))]
+
+
 def _costs_finding(points):
-    words = []
-    for column, does, text in (("setup_ns", "takes longest to set up", time), ("memory_greatest_bytes", "takes most memory", memory)):
-        if points[column].notna().any():
-            most = points.loc[points[column].idxmax()]
-            words.append(f"{most.label} {does}, {text(most[column])}")
-    return "; ".join(words)
+    longest, largest = (points.label[points[column].idxmax()] if points[column].notna().any() else ""
+                        for column in ("setup_ns", "memory_greatest_bytes"))
+    words = f"{longest} takes longest to set up, {time(points.setup_ns.max())}" if longest else ""
+    if not largest:
+        return words
+    most = f"most memory, {memory(points.memory_greatest_bytes.max())}"
+    return f"{words}, and {most}" if longest == largest else f"{words}{'; ' if words else ''}{largest} takes {most}"
 
 
 def memory(size):
@@ -221,11 +233,13 @@ def _kinds_finding(points, met):
     none_missed, none_false = (points.false_negative == 0).sum(), (points.false_positive == 0).sum()
     misses = points.loc[points.false_negative.idxmax()]
     most = points.loc[points.false_positive.idxmax()]
-    words = f"{none_missed} of {len(points)} miss nothing, {none_false} {verb(none_false, 'has', 'have')} no false positive"
+    words = (f"{none_missed} of {len(points)} miss nothing, {none_false} {verb(none_false, 'has', 'have')} no false "
+             "positive")
     if misses.false_negative:
         words += f"; {misses.label} misses most, {number(misses.false_negative / met * 100)} % of what meets"
     if most.false_positive:
-        words += f"; {most.label} has the most false positives, {number(most.false_positive / met)} for every pair that meets"
+        words += (f"; {most.label} has the most false positives, {number(most.false_positive / met)} for every pair "
+                  "that meets")
     return words
 
 
@@ -235,7 +249,8 @@ def _caption(scene, points, cost):
         "Each algorithm's operations are elementary tests of its own kind (named below); they are the same on every"
         " machine."
     )
-    what = "Time is the mean over steps of the fastest repeat, one thread, preparation of bodies included." + _trust(points)
+    what = ("Time is the mean over steps of the fastest repeat, one thread, preparation of bodies included."
+            + _trust(points))
     machines = " ".join(f"Timed on {machine}." for machine in dict.fromkeys(points.machine)) if len(points) else ""
     configs = ", ".join(dict.fromkeys(f"{r.meta.get('config_sha256', '?')[:12]}" for r in scene.runs))
     commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
@@ -255,7 +270,8 @@ def _trust(points):
         return ""
     floor = pareto.widest(*points.floor) if "floor" in points else None
     words = (
-        " Bars are 95 % intervals of the mean, by a block bootstrap over steps like these; which of two labels is faster is"
+        " Bars are 95 % intervals of the mean, by a block bootstrap over steps like these; which of two labels is "
+        "faster is"
         " told by their ratio over the same steps, in the table below."
     )
     if floor is not None:
@@ -269,6 +285,15 @@ def _intervals(points):
     if not {"time_mean_low_ns", "time_mean_high_ns"} <= set(points):
         return pd.Series(False, index=points.index)
     return points.time_mean_low_ns.notna() & points.time_mean_high_ns.notna()
+
+
+def _asked(points, cost):
+    """How methods of others were asked: only so do their times stand beside others."""
+    if cost != "time_mean_ns" or "asked" not in points:
+        return ""
+    others = points[points.asked != ""]
+    each = "; ".join(f"{point.label}: {point.asked}" for point in others.itertuples())
+    return f"Of others, the rest in process: {each}." if each else ""
 
 
 def _left_out(names):
@@ -394,6 +419,8 @@ def _axes(main, strip, points, cost):
     room = max((high / low) ** 0.08, 1.04)
     main.set_ylim(low / room, min(high * room, 1.03) if high <= 1 else high * room)
     low, high = (min(costs), max(costs)) if len(costs) else (1, 10)
+    if cost == "time_mean_ns" and (known := _intervals(points)).any():
+        low, high = min(low, points.time_mean_low_ns[known].min()), max(high, points.time_mean_high_ns[known].max())
     room = max((high / low) ** 0.07, 1.25)
     main.set_xlim(low / room, high * room)
     for axis, limits, least, shown in (

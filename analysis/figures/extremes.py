@@ -1,4 +1,4 @@
-"""Sections of the report on the extremes of the answers: errors by signed gap, offset, scale and shape, and instability."""
+"""Sections of the report on the extremes of the answers: errors by signed gap, offset, scale and shape; instability."""
 
 import numpy as np
 import pandas as pd
@@ -38,9 +38,9 @@ def sections(runs):
 def gap_shares(run):
     """The share of wrong answers by algorithm and class of gap, near touching apart.
 
-    Rows as of extremes.error_by_gap, as columns; wrong: false positives and false negatives over the cases that did not fail
-    (NaN where all failed); missed, false positive: its two parts. The contract's error is 0 or 1 where nothing meets, so it would
-    say nothing of a class of gaps.
+    Rows as of extremes.error_by_gap, as columns; wrong: false positives and false negatives over the cases that did not
+    fail (NaN where all failed); missed, false positive: its two parts. The contract's error is 0 or 1 where nothing
+    meets, so it would say nothing of a class of gaps.
     """
     table = extremes.error_by_gap(run).reset_index()
     said = (table["cases"] - table["failed"]).where(lambda n: n > 0)
@@ -93,14 +93,17 @@ def gap_figure(run, key):
         silent = mine["wrong"].isna().to_numpy()
         ax.plot(x[silent], np.full(silent.sum(), base + 0.35), "x", color="#333333", markersize=4)
         ax.axhline(base, color="#999999", linewidth=0.6)
-    every = [i for i, (name, ulps) in enumerate(classes) if ulps or i in (0, len(classes) - 1) or (name.lstrip("+-").startswith("1e-") and int(name.split("e-")[1]) % 3 == 0)]
+    every = [i for i, (name, ulps) in enumerate(classes) if ulps or i in (0, len(classes) - 1)
+             or (name.lstrip("+-").startswith("1e-") and int(name.split("e-")[1]) % 3 == 0)]
     ax.set_xticks(every, [classes[i][0].replace(" ulp", " u").replace("-", "−") for i in every], rotation=90)
     ax.set_yticks([len(labels) - 1 - row + 0.4 for row in range(len(labels))], shortened(labels).values())
-    ax.set(xlim=(-0.6, len(classes) - 0.4), ylim=(-0.05, len(labels)), xlabel="signed gap: inside ←  → apart (of the scale; u: ulps)")
+    ax.set(xlim=(-0.6, len(classes) - 0.4), ylim=(-0.05, len(labels)), xlabel="signed gap: inside ←  → apart (of the "
+                                                                              "scale; u: ulps)")
     ax.tick_params(axis="y", length=0)
     ax.grid(False)
     ax.spines["left"].set_visible(False)
-    handles = [Patch(color=colour, label=word) for word, colour in (("missed", MISSED), ("false positive", FALSE_POSITIVE),
+    handles = [Patch(color=colour, label=word) for word, colour in (("missed", MISSED),
+                                                                    ("false positive", FALSE_POSITIVE),
                                                                           ("within 1000 ulps of touching", SHADE))]
     space(fig, top=0.3)
     fig.legend(handles=handles, loc="upper center", ncols=3, frameon=False, fontsize=9)
@@ -109,21 +112,26 @@ def gap_figure(run, key):
     apart = int(table["cases"][close].sum() / max(1, len(labels)))
     hidden = int(table["cases"][close & ~table["gap_class"].str.endswith(" ulp")].sum() / max(1, len(labels)))
     caption = (
-        f"Share of wrong answers among {number(everything)} cases of each algorithm; a full row's height is 100 %, any error has a visible foot; cases in which it failed are left out. Shaded: within "
-        f"1000 ulps of touching, {number(apart)} cases, counted apart; {number(hidden)} of them are decades so small that they are within 1000 ulps at their offset, and "
-        f"are not in the bars. Deep inside, a body may lie wholly in the other or beyond it: no surfaces meet there, and a hit is a false positive. A cross: the algorithm failed in all cases of the class. {source(run)}"
+        f"Share of wrong answers among {number(everything)} cases of each algorithm; a full row's height is 100 %, any "
+        "error has a visible foot; cases in which it failed are left out. Shaded: within "
+        f"1000 ulps of touching, {number(apart)} cases, counted apart; {number(hidden)} of them are decades so small "
+        "that they are within 1000 ulps at their offset, and "
+        "are not in the bars. Deep inside, a body may lie wholly in the other or beyond it: no surfaces meet there, "
+        f"and a hit is a false positive. A cross: the algorithm failed in all cases of the class. {source(run)}"
     )
-    return Figure(gap_title(table, labels), svg_of(fig), caption, table.drop(columns="error").reset_index(drop=True), key)
+    return Figure(gap_title(table, labels), svg_of(fig), caption, table.drop(columns="error").reset_index(drop=True),
+                  key)
 
 
 def totals(table):
-    """Per algorithm over all cases not near touching, and near: wrong share, missed share of what meets, false positives, failed."""
+    """Per algorithm over cases not near touching, and near: wrong, missed of what meets, false positives, failed."""
     rows = {}
     for (label, near), mine in table.groupby(["algorithm", "near_touching"], observed=True):
         said = int((mine["cases"] - mine["failed"]).sum())
         missed, reported = int(mine["false_negative"].sum()), int(mine["false_positive"].sum())
         rows[label, bool(near)] = {
-            "cases": int(mine["cases"].sum()), "failed": int(mine["failed"].sum()), "missed": missed, "false positives": reported,
+            "cases": int(mine["cases"].sum()), "failed": int(mine["failed"].sum()), "missed": missed,
+            "false positives": reported,
             "wrong": (missed + reported) / said if said else np.nan,
         }
     table = pd.DataFrame.from_dict(rows, orient="index")
@@ -144,8 +152,10 @@ def gap_title(table, labels):
         text = f"Beyond rounding of touching {listed(right)} {verb(right, 'is', 'are')} never wrong"
     else:
         best = away["wrong"].idxmin()
-        text = f"Beyond rounding of touching every algorithm errs; {best} least, in {100 * away['wrong'][best]:.1f} % of its cases"
-    return f"{text}; {listed(never)} {verb(never, 'has', 'have')} false positives but {verb(never, 'misses', 'miss')} nothing" if never else text
+        text = (f"Beyond rounding of touching every algorithm errs; {best} least, in {100 * away['wrong'][best]:.1f} % "
+                "of its cases")
+    return (f"{text}; {listed(never)} {verb(never, 'has', 'have')} false positives but {verb(never, 'misses', 'miss')} "
+            "nothing" if never else text)
 
 
 def share_text(value):
@@ -188,8 +198,11 @@ def by_figure(run, word, unit, make, key):
         draw_map(ax, cells, values, labels, short, list(heads.values()))
         ax.tick_params(axis="x", rotation=90)
     caption = (
-        f"Error (FP + FN) / (TP + FP + FN) in percent, over the {number(int(away['cases'].sum() / max(1, len(labels))))} cases of each algorithm that are not within 1000 ulps of "
-        f"touching{like_text(word) if like else ''}; those within are in the numbers below. F: failed in all cases; *: failed in some, which are not counted. {source(run)}"
+        "Error (FP + FN) / (TP + FP + FN) in percent, over the "
+        f"{number(int(away['cases'].sum() / max(1, len(labels))))} cases of each algorithm that are not within 1000 "
+        "ulps of "
+        f"touching{like_text(word) if like else ''}; those within are in the numbers below. F: failed in all cases; *: "
+        f"failed in some, which are not counted. {source(run)}"
     )
     told = like or not unit or len(values) == 1
     title = (by_title(away, name, word, unit, heads) if told
@@ -215,7 +228,8 @@ def by_title(away, name, word, unit, heads):
     place = (lambda row: f"{word} {heads[row[name]]} {unit}") if unit else (lambda row: heads[row[name]])
     steady = int((spread < MATTERS).sum())
     rest = f"; {steady} of {len(spread)} algorithms differ by less than {MATTERS:g} over it" if steady else ""
-    return f"{who} depends most on the {word}: error {low['error']:.2g} at {place(low)}, {high['error']:.2g} at {place(high)}{rest}"
+    return (f"{who} depends most on the {word}: error {low['error']:.2g} at {place(low)}, {high['error']:.2g} at "
+            f"{place(high)}{rest}")
 
 
 def instability_table(run):
@@ -228,9 +242,12 @@ def instability_table(run):
     who = list(dict.fromkeys(table.index[(table["moved"] > 0) | (table["swapped"] > 0)].get_level_values("algorithm")))
     title = ("No algorithm answers any case" if not table["cases"].any() else
              "No answer changes with the order of a pair, nor when both bodies are moved exactly" if not who else
-             f"{number(swapped)} answers change with the order of the pair and {number(moved)} when both bodies are moved exactly: {listed(who)}")
+             f"{number(swapped)} answers change with the order of the pair and {number(moved)} when both bodies are "
+             f"moved exactly: {listed(who)}")
     failed = list(dict.fromkeys(table.index[table["failed"] > 0].get_level_values("algorithm")))
-    title += f"; {listed(failed)} {verb(failed, 'fails', 'fail')} in {number(int(table['failed'].sum()))} cases" if failed else "; none fails"
-    caption = (f"Cases that did not fail; a move is by an exactly representable step, and cases in which it changes the truth (rounding of the world's vertices) are apart. "
+    title += (f"; {listed(failed)} {verb(failed, 'fails', 'fail')} in {number(int(table['failed'].sum()))} cases"
+              if failed else "; none fails")
+    caption = ("Cases that did not fail; a move is by an exactly representable step, and cases in which it changes "
+               "the truth (rounding of the world's vertices) are apart. "
                f"{source(run)}")
     return Table(title, frame.set_index("algorithm"), caption)

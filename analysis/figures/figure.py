@@ -14,8 +14,8 @@ from xml.etree import ElementTree
 import matplotlib
 
 matplotlib.use("svg")  # no display is asked for
-import matplotlib.pyplot as plt
-import pandas as pd
+import matplotlib.pyplot as plt  # noqa: E402
+import pandas as pd  # noqa: E402
 
 # Okabe and Ito's colours, told apart by colour-blind readers; their yellow is left out, it is too pale on white.
 PALETTE = {

@@ -21,9 +21,9 @@ FLICKER = ["#FFFFFF", "#DEEBF7", "#9ECAE1", "#4292C6", "#08519C"]
 def outcomes(passes, by):
     """One row per algorithm and value of `by` (columns of `passes`), in order of appearance.
 
-    Columns: passes; touching (that truly meet); missed (of those, never reported); false positives (reported though they
-    never meet); first m, last m (medians over those that meet and are reported: how far before the exact contact, less
-    than 0 after it; NaN for none); flicker (changes of the answer within contacts).
+    Columns: passes; touching (that truly meet); missed (of those, never reported); false positives (reported though
+    they never meet); first m, last m (medians over those that meet and are reported: how far before the exact contact,
+    less than 0 after it; NaN for none); flicker (changes of the answer within contacts).
     """
     touching = passes.truth_first.notna()
     seen = touching & passes["first"].notna()
@@ -92,7 +92,7 @@ def kind_map(run, _, name):
 
 
 def title_of(overall):
-    """overall: outcomes over all obstacles. What is earliest, misses most, has the most false positives and is exact."""
+    """overall: outcomes over all obstacles. What is earliest, misses most, has most false positives and is exact."""
     if not overall.touching.any():
         return "No pass meets its obstacle, so nothing can be early or late"
     first = overall["first m"].dropna()

@@ -42,7 +42,8 @@ CELL_SIZE = 8.5
 
 
 def sections(runs, beside=None):
-    """A section for each study among `runs`, and one for the drift of each integrated motion; none when there is neither.
+    """A section for each study among `runs`, and one for the drift of each integrated motion; none when there is
+    neither.
 
     beside: all runs of the report; recommendations are compared with their configurations.
     """
@@ -53,7 +54,8 @@ def sections(runs, beside=None):
         if run.study is not None:
             found.append(Section(f"{pareto.title(run)}: integrators", study_parts(run, beside, key)))
         elif run.physics is not None and run.meta["steps"] > 1:
-            found.append(Section(f"{pareto.title(run)}: drift of the motion", [guarded("Drift", drift_figure, run, key)]))
+            found.append(Section(f"{pareto.title(run)}: drift of the motion",
+                                 [guarded("Drift", drift_figure, run, key)]))
     return found
 
 
@@ -108,7 +110,8 @@ def look(name):
 
 def source(run):
     meta = run.meta
-    return (f"{pareto.name(run)}, configuration “{meta.get('title', '')}” (sha256 {meta.get('config_sha256', 'unknown')[:10]}), commit "
+    return (f"{pareto.name(run)}, configuration “{meta.get('title', '')}” (sha256 "
+            f"{meta.get('config_sha256', 'unknown')[:10]}), commit "
             f"{meta.get('git_commit', '?')[:7]}, {meta.get('run', {}).get('processor', 'unknown processor')}.")
 
 
@@ -123,13 +126,18 @@ def precision_figure(run, cost, key):
     if not wanted.any():
         return f"Error against cost: not drawn, no case of {listed(wanted.index)} has an error."
     fig, lost, idle = precision_panels(table, [name for name in wanted.index if wanted[name]], cost,
-                                 "force evaluations" if cost == "force_evaluations" else "processor time (s)", study_tables.controlled,
+                                 "force evaluations" if cost == "force_evaluations" else "processor time (s)",
+                                       study_tables.controlled,
                                  best[best["apart"]])
     bare = [name for name in wanted.index if not wanted[name]]
     caption = (
-        f"Error at the end (of position over the problem's length, or of orientation in rad, the greater) against cost. A line joins one "
-        f"integrator's accuracies from loose to tight; SemiExplicitEuler takes fixed steps only (dashed). Fixed steps of the others are "
-        f"in the numbers below, and drawn hollow where they cost least for an error in the title. A cross at the top is a case that did not finish ({lost}{f'; {idle} more ended before their first step' if idle else ''}); errors of 0 are drawn at the bottom. "
+        "Error at the end (of position over the problem's length, or of orientation in rad, the greater) against "
+        "cost. A line joins one "
+        "integrator's accuracies from loose to tight; SemiExplicitEuler takes fixed steps only (dashed). Fixed steps "
+        "of the others are "
+        "in the numbers below, and drawn hollow where they cost least for an error in the title. A cross at the top "
+        f"is a case that did not finish ({lost}{f'; {idle} more ended before their first step' if idle else ''}); "
+        "errors of 0 are drawn at the bottom. "
         + (f"No case of {listed(bare)} has an error. " if bare else "") + source(run)
     )
     return Figure(title, svg_of(fig), caption, table, key)
@@ -146,7 +154,8 @@ def precision_title(best, word):
         who = listed(leaders) if len(leaders) <= 2 else f"{len(leaders)} integrators"
         need = verb(leaders, "needs", "each need")
         parts.append(f"{who} {need if not parts else need.replace('needs', 'does').replace('need', 'do')}"
-                     f"{' the ' + word if not parts else ''} for errors below {threshold:.0e} on {wins.max()} of {len(rows)} problems")
+                     f"{' the ' + word if not parts else ''} for errors below {threshold:.0e} on {wins.max()} of "
+                     f"{len(rows)} problems")
     return "; ".join(parts).replace("e-0", "e-")
 
 
@@ -207,10 +216,12 @@ def space(fig, top=0.0, bottom=0.0):
 def order_figure(run, key):
     table, fits = study_tables.work_precision(run), steady(studies.orders(run))
     table = table[table["fixed_step"].notna()]
-    problems = [name for name in dict.fromkeys(table["problem"]) if table["error"][table["problem"] == name].notna().any()]
+    problems = [name for name in dict.fromkeys(table["problem"])
+                if table["error"][table["problem"] == name].notna().any()]
     if not problems:
         return "Error against the step: not drawn, no case with a fixed step has an error."
-    fig, lost, _ = precision_panels(table, problems, "fixed_step", "fixed step (s)", lambda rows: rows.sort_values("fixed_step"))
+    fig, lost, _ = precision_panels(table, problems, "fixed_step", "fixed step (s)",
+                                    lambda rows: rows.sort_values("fixed_step"))
     off = fits[(fits["order"] - fits["nominal"]).abs() > 0.3]
     if fits.empty:
         title = "No convergence order can be fitted: fewer than three steps are in the asymptotic range"
@@ -218,9 +229,11 @@ def order_figure(run, key):
         title = f"{len(fits) - len(off)} of {len(fits)} fitted orders are within 0.3 of the nominal ones"
         if len(off):
             far = off.loc[(off["order"] - off["nominal"]).abs().idxmax()]
-            title += f"; farthest is {far['integrator']} on {far['sweep'].replace('_', ' ')}, {far['order']:.2f} for {far['nominal']:g}"
+            title += (f"; farthest is {far['integrator']} on {far['sweep'].replace('_', ' ')}, {far['order']:.2f} for "
+                      f"{far['nominal']:g}")
     caption = (
-        f"Error against the length of fixed steps; a straight line of slope p is an order of p. {lost} cases did not finish (crosses at the top; "
+        f"Error against the length of fixed steps; a straight line of slope p is an order of p. {lost} cases did not "
+        "finish (crosses at the top; "
         f"those of much shorter or longer steps stand at the edge). CPodes takes no fixed steps. {source(run)}"
     )
     return Figure(title, svg_of(fig), caption, table[["problem", "integrator", "fixed_step", "error", "status"]], key)
@@ -232,7 +245,8 @@ STEADY = 0.3  # standard error of a slope: beyond, the points are on no line
 def steady(fits):
     """Of studies.orders() those over fixed steps that are on a line and have a nominal order."""
     fits = fits.reset_index()
-    return fits[(fits["by"] == "fixed_step") & fits["order"].notna() & (fits["spread"] <= STEADY) & fits["nominal"].notna()]
+    is_steady = fits["order"].notna() & (fits["spread"] <= STEADY)
+    return fits[(fits["by"] == "fixed_step") & is_steady & fits["nominal"].notna()]
 
 
 def orders_table(run):
@@ -249,9 +263,12 @@ def orders_table(run):
     frame.insert(0, "over", [by.replace("_", " ") for _, by in rows])
     frame.index = pd.Index([integrator for integrator, _ in rows], name="integrator")
     caption = (
-        f"Slope of log error over log step by least squares, by accuracies over the mean step, and its standard error. Fitted are the finest {studies.FITTED} cases at most of "
-        f"those whose errors fall from {studies.COARSE:g} down to {studies.FLOOR:g}, where rounding takes over, from each step to the next shorter. Erratic: the standard error is "
-        f"above {STEADY:g}, the points are on no line; a dash: fewer than three cases are in the range. Where a contact begins within a step, the force has no second derivative. {source(run)}"
+        "Slope of log error over log step by least squares, by accuracies over the mean step, and its standard error. "
+        f"Fitted are the finest {studies.FITTED} cases at most of "
+        f"those whose errors fall from {studies.COARSE:g} down to {studies.FLOOR:g}, where rounding takes over, from "
+        "each step to the next shorter. Erratic: the standard error is "
+        f"above {STEADY:g}, the points are on no line; a dash: fewer than three cases are in the range. Where a "
+        f"contact begins within a step, the force has no second derivative. {source(run)}"
     )
     return Table("Fitted convergence orders beside the nominal ones", frame.fillna("–"), caption)
 
@@ -283,7 +300,8 @@ def percent(value):
     sign = "+" if value > 0 else "−"
     if abs(value) >= 999.5:
         exponent = int(np.floor(np.log10(abs(value))))
-        return f"{sign}{abs(value) / 10**exponent:.0f}e{exponent}" if abs(value) / 10**exponent < 9.5 else f"{sign}1e{exponent + 1}"
+        return (f"{sign}{abs(value) / 10**exponent:.0f}e{exponent}" if abs(value) / 10**exponent < 9.5
+                else f"{sign}1e{exponent + 1}")
     texts = [f"{abs(value):.{decimals}f}" for decimals in range(int(abs(value) < 9.95), 4)]
     return sign + next((text for text in texts if shade(float(text) / 100) == shade(share)), texts[0])
 
@@ -299,14 +317,15 @@ def cell(row):
 
 
 def draw_map(ax, cells, rows, columns, heads, names=None):
-    """cells: (row, column) -> (text, colour); without one: not run. heads, names: what stands beside columns and rows."""
+    """cells: (row, column) -> (text, colour); without one: not run. heads, names: beside columns and rows."""
     ax.grid(False)
     picture = np.ones((len(rows), len(columns), 3))
     for i, row in enumerate(rows):
         for j, column in enumerate(columns):
             text, colour = cells.get((row, column), ("", "#FFFFFF"))
             picture[i, j] = to_rgb(colour)
-            ax.text(j, i, text, ha="center", va="center", fontsize=CELL_SIZE, color="#FFFFFF" if colour == DARK else "#111111",
+            ax.text(j, i, text, ha="center", va="center", fontsize=CELL_SIZE, color="#FFFFFF" if colour == DARK
+                    else "#111111",
                     fontweight="bold" if colour == DARK else "normal")
     ax.imshow(picture, aspect="auto", interpolation="nearest")
     ax.set_xticks(range(len(columns)), heads)
@@ -342,7 +361,8 @@ def map_table(run, names):
 def heads_of(values):
     heads = []
     for value in values:
-        text = f"{value:g}" if 1e-3 <= abs(value) < 1e3 or value == 0 else f"{value:.0e}".replace("e+0", "e").replace("e+", "e").replace("e-0", "e-")
+        text = (f"{value:g}" if 1e-3 <= abs(value) < 1e3 or value == 0
+                else f"{value:.0e}".replace("e+0", "e").replace("e+", "e").replace("e-0", "e-"))
         heads.append(text)
     return heads
 
@@ -357,8 +377,10 @@ def map_figure(run, name, key):
     ax.set_xlabel("stiffness (Pa)")
     map_legend(fig, table["status"][~table["finished"]])
     caption = (
-        f"{table['problem'].iloc[0].replace('_', ' ')} ({name}); {len(table)} cases of {len(rows)} integrators at {listed(dict.fromkeys(table['setting']))}. A "
-        f"cell says by how many percent of the problem's energy the balance is off at its worst: + is energy from nowhere, 0 is less than 0.05. A letter on dark: why "
+        f"{table['problem'].iloc[0].replace('_', ' ')} ({name}); {len(table)} cases of {len(rows)} integrators at "
+        f"{listed(dict.fromkeys(table['setting']))}. A "
+        "cell says by how many percent of the problem's energy the balance is off at its worst: + is energy from "
+        "nowhere, 0 is less than 0.05. A letter on dark: why "
         f"the case did not finish. An empty cell was not run. {source(run)}"
     )
     return Figure(map_title(table), svg_of(fig), caption, table.drop(columns=["who", "sweep"]), key)
@@ -371,9 +393,11 @@ def map_title(table):
     lost = table["who"][~table["finished"]].unique()
     where = range_text(table, "Pa")
     names = list(good.index[good])
-    text = f"{problem.capitalize()}: " + (f"{listed(names)} {verb(names, 'keeps', 'keep')} the energy within 1 % {where}" if names
+    text = f"{problem.capitalize()}: " + (f"{listed(names)} {verb(names, 'keeps', 'keep')} the energy within 1 % "
+                                          f"{where}" if names
                                           else f"no integrator keeps the energy within 1 % {where}")
-    return f"{text}; {listed(lost)} {verb(lost, 'does', 'do')} not finish everywhere" if len(lost) else f"{text}; all finish"
+    return (f"{text}; {listed(lost)} {verb(lost, 'does', 'do')} not finish everywhere" if len(lost)
+            else f"{text}; all finish")
 
 
 def range_text(table, unit):
@@ -389,7 +413,8 @@ def factor_figure(run, names, key):
     table = map_table(run, names)
     rows = list(dict.fromkeys(table["who"]))
     lines = -(-len(names) // 2)
-    widths = [max([table["value"][table["sweep"] == name].nunique() for name in names[column::2]] or [1]) for column in range(2)]
+    widths = [max([table["value"][table["sweep"] == name].nunique() for name in names[column::2]] or [1])
+              for column in range(2)]
     fig, axes = figure(lines, 2, height=lines * (0.27 * len(rows) + 0.75) + 0.9, squeeze=False, sharey=True,
                        width_ratios=widths)
     for ax, name in zip(axes.ravel(), names):
@@ -407,9 +432,13 @@ def factor_figure(run, names, key):
     good = study_tables.holds(table)
     best = good.groupby(table["who"], sort=False).all()
     worst = (~good).groupby(table["factor"]).mean()
-    title = f"{listed(best.index[best])} {verb(best.sum(), 'keeps', 'keep')} the energy within 1 % whatever one factor is" if best.any() else (
-        f"No integrator keeps the energy within 1 % over all factors; {worst.idxmax().replace('_', ' ')} costs most")
-    caption = f"One factor at a time around the defaults; {len(table)} cases. Cells as in the stability map, in percent. {source(run)}"
+    title = (
+        f"{listed(best.index[best])} {verb(best.sum(), 'keeps', 'keep')} the energy within 1 % whatever one factor is"
+        if best.any() else
+        f"No integrator keeps the energy within 1 % over all factors; {worst.idxmax().replace('_', ' ')} costs most"
+    )
+    caption = (f"One factor at a time around the defaults; {len(table)} cases. Cells as in the stability map, in "
+               f"percent. {source(run)}")
     return Figure(title, svg_of(fig), caption, table.drop(columns="who"), key)
 
 
@@ -424,15 +453,22 @@ def recommendation_table(run, runs):
     if table.empty:
         return f"No recommendation: no case is within a factor of {study_tables.NEAR:g} of {stiffness:g} Pa."
     best = table[table["recommended"]]
-    title = (f"Near {stiffness:g} Pa {best['integrator'].iloc[0]} at {best['setting'].iloc[0]} is recommended" if len(best)
+    title = (f"Near {stiffness:g} Pa {best['integrator'].iloc[0]} at {best['setting'].iloc[0]} is recommended"
+             if len(best)
              else f"Near {stiffness:g} Pa no integrator is known to hold in all {table['of'].iloc[0]} cases")
     words = [follow_text(row) for row in others.itertuples()]
-    frame = table.drop(columns=study_tables.CONTROLS).rename(columns={"of": "of cases", "force_evaluations": "force evaluations",
-                                                                 "worst_energy_error": "worst energy error", "energy_error": "mean energy error"})
+    frame = table.drop(columns=study_tables.CONTROLS).rename(columns={
+        "of": "of cases", "force_evaluations": "force evaluations",
+        "worst_energy_error": "worst energy error", "energy_error": "mean energy error",
+    })
     caption = (
-        f"Cases of the sweeps over stiffness from {stiffness / study_tables.NEAR:g} to {stiffness * study_tables.NEAR:g} Pa. Holds: finished, with the energy within "
-        f"{100 * study_tables.BOUND:g} % of its balance all the time. Recommended is, of those that hold in all and need at most {studies.DEARER:g} times the force evaluations of the cheapest, the most accurate (geometric mean). These are "
-        "small scenes: what hundreds of bodies cost (a dense Jacobian of CPodes, Verlet's convergence) is not in them. " + " ".join(words)
+        f"Cases of the sweeps over stiffness from {stiffness / study_tables.NEAR:g} to "
+        f"{stiffness * study_tables.NEAR:g} Pa. Holds: finished, with the energy within "
+        f"{100 * study_tables.BOUND:g} % of its balance all the time. Recommended is, of those that hold in all and "
+        f"need at most {studies.DEARER:g} times the force evaluations of the cheapest, the most accurate (geometric "
+        "mean). These are "
+        "small scenes: what hundreds of bodies cost (a dense Jacobian of CPodes, Verlet's convergence) is not in them. "
+        "" + " ".join(words)
     )
     return Table(title, frame.set_index("integrator"), caption)
 
@@ -445,9 +481,11 @@ def follow_text(row):
     if row.follows:
         return f"{uses} follows the recommendation."
     if row.holds != row.holds:
-        return f"{uses} does not follow the recommendation, {row.recommended}; the study has no cases of its own setting."
+        return (f"{uses} does not follow the recommendation, {row.recommended}; the study has no cases of its own "
+                "setting.")
     cost = f" and needs {row.times:.2g} times the evaluations" if row.times == row.times else ""
-    return f"{uses} does not follow the recommendation, {row.recommended}: its own {'holds too' if row.holds else 'does not hold'}{cost}."
+    return (f"{uses} does not follow the recommendation, {row.recommended}: its own "
+            f"{'holds too' if row.holds else 'does not hold'}{cost}.")
 
 
 # ---- Extremes and drift -------------------------------------------------------------------------------------------
@@ -456,7 +494,8 @@ def follow_text(row):
 def extremes_figure(run, key):
     """Every extreme case over the integrators."""
     table = study_tables.extremes_of_motion(run)
-    table["row"] = [wrapped(f"{sweep.replace('_', ' ')}: {case}".removesuffix(": as it stands")) for sweep, case in zip(table["sweep"], table["case"])]
+    table["row"] = [wrapped(f"{sweep.replace('_', ' ')}: {case}".removesuffix(": as it stands"))
+                    for sweep, case in zip(table["sweep"], table["case"])]
     rows, columns = list(dict.fromkeys(table["row"])), list(dict.fromkeys(table["integrator"]))
     cells = {(row["row"], row["integrator"]): cell(row) for _, row in table.iterrows()}
     lines = sum(text.count("\n") + 1 for text in rows)
@@ -467,10 +506,13 @@ def extremes_figure(run, key):
     good = study_tables.holds(table, 0.1).groupby(table["row"], sort=False).mean()
     none = [name.replace("\n", " ") for name in good.index[good == 0]]
     all_of = int((good == 1).sum())
-    title = f"Of {counted(len(good), 'extreme case')} {all_of} go well with every integrator and {len(none)} with none (finished, energy within 10 %)"
+    title = (f"Of {counted(len(good), 'extreme case')} {all_of} go well with every integrator and {len(none)} with "
+             "none (finished, energy within 10 %)")
     caption = (
-        f"{len(table)} cases. Cells as in the stability map: energy off its balance, in percent. Cases of one name are the naive form and the adapted ones "
-        f"beside it: units of the problem's own size, or tolerances and steps that fit it. {own_steps(table)}" + source(run)
+        f"{len(table)} cases. Cells as in the stability map: energy off its balance, in percent. Cases of one name are "
+        "the naive form and the adapted ones "
+        f"beside it: units of the problem's own size, or tolerances and steps that fit it. {own_steps(table)}"
+        + source(run)
     )
     return Figure(title, svg_of(fig), caption, table.drop(columns="row"), key)
 
@@ -500,7 +542,8 @@ def tunnelling_table(run):
     if table.empty:
         return None
     words = []
-    for (speed, thickness, stiffness), mine in table.groupby(["speed", "thickness", "stiffness"], sort=False, dropna=False):
+    for (speed, thickness, stiffness), mine in table.groupby(["speed", "thickness", "stiffness"], sort=False,
+                                                             dropna=False):
         step, what = mine["preventing_step"].dropna(), f"a plate of {thickness:g} m and {stiffness:g} Pa"
         words.append(f"{what} is passed at {speed:g} m/s whatever the step" if step.empty else
                      f"{what} stops a ball of {speed:g} m/s with steps of at most {step.min():.2g} s"
@@ -508,20 +551,25 @@ def tunnelling_table(run):
     title = "; ".join(words)
     title = title[:1].upper() + title[1:]
     frame = pd.DataFrame({
-        "integrator": table["integrator"], "speed (m/s)": table["speed"], "plate (m)": table["thickness"], "stiffness (Pa)": table["stiffness"].map("{:g}".format),
-        "went through with steps of (s)": [", ".join(f"{step:g}" for step in steps) or "–" for steps in table["went_through"]],
+        "integrator": table["integrator"], "speed (m/s)": table["speed"], "plate (m)": table["thickness"],
+        "stiffness (Pa)": table["stiffness"].map("{:g}".format),
+        "went through with steps of (s)": [", ".join(f"{step:g}" for step in steps) or "–"
+                                           for steps in table["went_through"]],
         "was stopped with (s)": [", ".join(f"{step:g}" for step in steps) or "–" for steps in table["stopped"]],
         "greatest step that stops it (s)": table["preventing_step"],
     })
-    caption = "The greatest step that stops the ball from whatever phase it comes, by bisection. A dash: none was found. " + source(run)
+    caption = ("The greatest step that stops the ball from whatever phase it comes, by bisection. A dash: none was "
+               "found. " + source(run))
     return Table(title, frame.set_index("integrator"), caption)
 
 
 def drift_figure(run, key):
     """Energy and penetration over the time of an integrated run, a panel each."""
     table = study_tables.drift_steps(run)
-    what = {"energy": "energy (J)", "energy_change": "energy, off the first (1)", "greatest_penetration": "greatest penetration (m)"}
-    names = [name for name in what if name in table and table[name].notna().any() and (name != "energy_change" or table.attrs["lossless"])]
+    what = {"energy": "energy (J)", "energy_change": "energy, off the first (1)",
+            "greatest_penetration": "greatest penetration (m)"}
+    names = [name for name in what if name in table and table[name].notna().any()
+             and (name != "energy_change" or table.attrs["lossless"])]
     if not names:
         return "Drift: not drawn, no energy is recorded."
     fig, axes = figure(len(names), 1, height=1.45 * len(names) + 0.6, squeeze=False, sharex=True)
@@ -529,7 +577,8 @@ def drift_figure(run, key):
         values = table[name].to_numpy(float)
         edges = np.linspace(0, len(values), min(BINS, len(values)) + 1).astype(int)
         time = [table["time"].iloc[a:b].mean() for a, b in zip(edges, edges[1:])]
-        low, high = (np.array([reduce(values[a:b]) for a, b in zip(edges, edges[1:])]) for reduce in (np.fmin.reduce, np.fmax.reduce))
+        low, high = (np.array([reduce(values[a:b]) for a, b in zip(edges, edges[1:])])
+                     for reduce in (np.fmin.reduce, np.fmax.reduce))
         ax.fill_between(time, low, high, color=PALETTE["sky"], linewidth=0, alpha=0.5)
         ax.plot(time, high, color=PALETTE["blue"])
         ax.set_title(what[name], loc="left", fontsize=9.5)
@@ -537,7 +586,8 @@ def drift_figure(run, key):
     status = table.attrs["status"]
     ended = "" if status == "complete" else f" The integration {status.rstrip('.')}."
     more = drift_words(run)
-    caption = (f"{number(len(table))} steps; the band is from the least to the greatest of each stretch of steps.{ended} "
+    caption = (f"{number(len(table))} steps; the band is from the least to the greatest of each stretch of "
+               f"steps.{ended} "
                f"{more[:1].upper() + more[1:] + '. ' if more else ''}{source(run)}")
     return Figure(drift_title(table), svg_of(fig), caption, table.iloc[:: max(1, len(table) // 60)], key)
 

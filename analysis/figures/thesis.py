@@ -1,7 +1,8 @@
 """The thesis's part of the report: its figures 5.1 to 5.25, tables 5.1 and 5.2, playground and statements, drawn anew.
 
 The thesis ran each scene once; of several files of one motion the one with most of the thesis's algorithms is drawn,
-the others are named. Every figure is of one file, its times of one machine and build; what was timed elsewhere is named.
+the others are named. Every figure is of one file, its times of one machine and build; what was timed elsewhere is
+named.
 """
 
 import re

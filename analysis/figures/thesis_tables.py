@@ -135,7 +135,8 @@ def statements_table(scenes, notes=()):
     title += f". Of {len(careful)} judged again on the careful form {counted(careful)}" if len(careful) else ""
     letters = ", ".join(f"{letter} {label}" for letter, label in KEYS.items())
     text = (
-        f"{letters}. What words such as “slightly” mean is a number of analysis/tables/thresholds.py, fixed before there were "
+        f"{letters}. What words such as “slightly” mean is a number of analysis/tables/thresholds.py, fixed before "
+        "there were "
         f"results: early and late count from {t.EXACT_M} m on, “slightly” ends at {t.SLIGHT_M} m, “too early” begins "
         f"at {t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. "
         "Lengths are in m, times ratios, shares of 1."

@@ -23,7 +23,8 @@ def section(runs):
             try:
                 mine += tell(run, runs) if tell is study else tell(run)
             except (KeyError, ValueError, OSError, AttributeError, NotDrawn) as error:
-                mine.append(f"What {tell.__name__} would tell is left out, the file is not as expected: {plain(error)}.")
+                mine.append(f"What {tell.__name__} would tell is left out, the file is not as expected: "
+                            f"{plain(error)}.")
         if mine:
             parts.append(Points(f"{pareto.title(run)} ({pareto.name(run)})", mine))
     return Section("Findings", parts) if parts else None
@@ -55,10 +56,12 @@ def precision(run):
     for threshold, rows in best.groupby("threshold", sort=False):
         reached = rows[rows["integrator"] != ""]
         if reached.empty:
-            found.append(f"No integrator brings the error below {short(threshold)} on any of {counted(len(rows), 'problem')} within its budget.")
+            found.append(f"No integrator brings the error below {short(threshold)} on any of "
+                         f"{counted(len(rows), 'problem')} within its budget.")
             continue
         where = reached["problem"].str.replace("_", " ") + np.where(reached["apart"], " (fixed step)", "")
-        each = [f"{name} on {listed(where[mine.index])} ({costs(mine)})" for name, mine in reached.groupby("integrator", sort=False)]
+        each = [f"{name} on {listed(where[mine.index])} ({costs(mine)})"
+                for name, mine in reached.groupby("integrator", sort=False)]
         text = f"For an error below {short(threshold)} the fewest force evaluations are those of {'; '.join(each)}"
         none = rows["problem"][rows["integrator"] == ""].str.replace("_", " ")
         found.append(f"{text}{f'; nobody reaches it on {listed(none)}' if len(none) else ''}.")
@@ -102,19 +105,25 @@ def held(run):
         where = f"over {factor.replace('_', ' ')} {low} to {high} {unit}".strip()
         problem = f"{mine['problem'].iloc[0].replace('_', ' ')} ({sweep})"
         if not whole:
-            found.append(f"On the {problem} no integrator has all of {len(values)} values {where}; who holds everywhere cannot be said.")
+            found.append(f"On the {problem} no integrator has all of {len(values)} values {where}; who holds "
+                         "everywhere cannot be said.")
         elif keep:
-            found.append(f"On the {problem} {listed(keep)} {verb(keep, 'keeps', 'keep')} the energy within {100 * study_tables.BOUND:g} % {where}.")
+            found.append(f"On the {problem} {listed(keep)} {verb(keep, 'keeps', 'keep')} the energy within "
+                         f"{100 * study_tables.BOUND:g} % {where}.")
         else:
-            found.append(f"On the {problem} no integrator keeps the energy within {100 * study_tables.BOUND:g} % everywhere {where}.")
+            found.append(f"On the {problem} no integrator keeps the energy within {100 * study_tables.BOUND:g} % "
+                         f"everywhere {where}.")
         lost = mine[~mine["finished"]]
         for name, some in lost.groupby("integrator", sort=False):
             why = listed(dict.fromkeys((FAILED.get(status) or OTHERWISE)[1] for status in some["status"]))
-            found.append(f"On the {problem} {name} does not finish at {factor.replace('_', ' ')} {listed(heads_of(sorted(some['value'].unique())))} {unit}".rstrip() + f": {why}.")
+            found.append(f"On the {problem} {name} does not finish at {factor.replace('_', ' ')} "
+                         f"{listed(heads_of(sorted(some['value'].unique())))} {unit}".rstrip() + f": {why}.")
         gained = mine[mine["finished"] & (mine["energy_error"] > 1)]
         for name, some in gained.groupby("integrator", sort=False):
             worst = some.loc[some["energy_error"].idxmax()]
-            found.append(f"On the {problem} {name} gains {worst['energy_error']:.3g} times the problem's energy and finishes all the same at {factor.replace('_', ' ')} {short(worst['value'])} {unit}".rstrip() + ".")
+            found.append(f"On the {problem} {name} gains {worst['energy_error']:.3g} times the problem's energy and "
+                         f"finishes all the same at {factor.replace('_', ' ')} {short(worst['value'])} {unit}".rstrip()
+                         + ".")
     return found
 
 
@@ -131,8 +140,10 @@ def recommended(run, runs):
         if len(best):
             row = best.iloc[0]
             found.append(
-                f"Recommended near {stiffness:g} Pa: {row['integrator']} at {row['setting']}; it finishes all {row['of']} cases within {100 * study_tables.BOUND:g} % of the energy "
-                f"(worst {100 * row['worst_energy_error']:+.2g} %) with {number(int(row['force_evaluations']))} force evaluations; {cheap_text(table)}."
+                f"Recommended near {stiffness:g} Pa: {row['integrator']} at {row['setting']}; it finishes all "
+                f"{row['of']} cases within {100 * study_tables.BOUND:g} % of the energy "
+                f"(worst {100 * row['worst_energy_error']:+.2g} %) with {number(int(row['force_evaluations']))} force "
+                f"evaluations; {cheap_text(table)}."
             )
         elif len(table):
             whole = table[table["cases"] == table["of"]]
@@ -145,7 +156,8 @@ def cheap_text(table):
     cheap, best = (table[table[name]].iloc[0] for name in ("cheapest", "recommended"))
     if cheap["integrator"] == best["integrator"] and cheap["setting"] == best["setting"]:
         return "none that holds is cheaper"
-    return (f"{cheap['integrator']} at {cheap['setting']} holds with {number(int(cheap['force_evaluations']))}, the fewest, and is "
+    return (f"{cheap['integrator']} at {cheap['setting']} holds with {number(int(cheap['force_evaluations']))}, the "
+            "fewest, and is "
             f"{cheap['energy_error'] / best['energy_error']:.2g} times less accurate")
 
 
@@ -159,14 +171,16 @@ def went_wrong(run):
         name = sweep[:1].upper() + sweep[1:].replace("_", " ")
         found.append(f"{name}{'' if cases == ['as it stands'] else ' (' + '; '.join(cases) + ')'}: {text}.")
     plates = study_tables.tunnelling(run)
-    for (speed, thickness, stiffness), mine in plates.groupby(["speed", "thickness", "stiffness"], sort=False, dropna=False):
+    for (speed, thickness, stiffness), mine in plates.groupby(["speed", "thickness", "stiffness"], sort=False,
+                                                              dropna=False):
         steps = mine["preventing_step"].dropna()
         text = f"A ball at {speed:g} m/s against a plate of {thickness:g} m and {stiffness:g} Pa"
         if steps.empty:
             found.append(f"{text}: no step was found that stops it, with any of {counted(len(mine), 'integrator')}.")
         else:
             low, high = f"{steps.min():.2g}", f"{steps.max():.2g}"
-            found.append(f"{text} is stopped by steps of at most {low if low == high else f'{low} to {high}'} s, with {len(steps)} of {counted(len(mine), 'integrator')}.")
+            found.append(f"{text} is stopped by steps of at most {low if low == high else f'{low} to {high}'} s, with "
+                         f"{len(steps)} of {counted(len(mine), 'integrator')}.")
     return found
 
 
@@ -179,12 +193,13 @@ def outcome(rows):
     words = []
     for status, some in rows[~good].groupby("status", sort=False):
         what = "energy off by more than 10 %" if status == "finished" else (FAILED.get(status) or OTHERWISE)[1]
-        names = [row.integrator + (f" (its step is {row.own_step:g} s)" if row.own_step == row.own_step else "") for row in some.itertuples()]
+        names = [row.integrator + (f" (its step is {row.own_step:g} s)" if row.own_step == row.own_step else "")
+                 for row in some.itertuples()]
         words.append(f"{what} with {listed(names) if len(some) < len(rows) or len(rows) == 1 else 'all'}")
     return f"goes wrong with {len(rows) - good.sum()} of {counted(len(rows), 'integrator')}: {'; '.join(words)}"
 
 
-# ---- Answers, drift, scenes -------------------------------------------------------------------------------------------
+# ---- Answers, drift, scenes -------------------------------------------------------------------------------------
 
 
 def answers(run):
@@ -202,14 +217,17 @@ def answers(run):
         right = list(said.index[said["wrong"] == 0])
         if right:
             names = [f"{name}{judged(said.loc[name])}" for name in right]
-            found.append(f"{listed(names)} {verb(right, 'is', 'are')} never wrong in {counted(int(mine['cases'].max()), 'case')} {where}.")
+            found.append(f"{listed(names)} {verb(right, 'is', 'are')} never wrong in "
+                         f"{counted(int(mine['cases'].max()), 'case')} {where}.")
         wrong = said[said["wrong"] > 0].sort_values("wrong", kind="stable")
         if len(wrong):
-            each = [f"{name} {100 * row['wrong']:.2f} %{judged(row)} ({number(int(row['missed']))} missed, {counted(int(row['false positives']), 'false positive')})" for name, row in wrong.iterrows()]
+            each = [f"{name} {100 * row['wrong']:.2f} %{judged(row)} ({number(int(row['missed']))} missed, "
+                    f"{counted(int(row['false positives']), 'false positive')})" for name, row in wrong.iterrows()]
             found.append(f"Wrong {where}: {'; '.join(each)}.")
     shaky = extremes.instability(run)
     total = shaky.groupby("algorithm", observed=True)[["cases", "swapped", "moved", "failed"]].sum()
-    for column, what in (("swapped", "with the order of the pair"), ("moved", "when both bodies are moved by an exact step")):
+    for column, what in (("swapped", "with the order of the pair"), ("moved", "when both bodies are moved by an exact "
+                                                                              "step")):
         who = total[total[column] > 0]
         if len(who):
             each = [f"{name} {number(int(row[column]))} of {number(int(row['cases']))}" for name, row in who.iterrows()]
@@ -219,7 +237,8 @@ def answers(run):
     first = shaky.groupby("algorithm", observed=True)["failure"].first()
     for name, row in total[total["failed"] > 0].iterrows():
         cases = int(row["cases"] + row["failed"])
-        found.append(f"{name} fails in {number(int(row['failed']))} of {number(cases)} cases; first: {plain(first[name])}.")
+        found.append(f"{name} fails in {number(int(row['failed']))} of {number(cases)} cases; first: "
+                     f"{plain(first[name])}.")
     if not (total["failed"] > 0).any():
         found.append("No algorithm refuses a pair or throws.")
     return found
@@ -236,19 +255,22 @@ def drift(run):
         return []
     table, reached, found = study_tables.drift_steps(run), studies.simulated(run), []
     if table.attrs["status"] != "complete":
-        found.append(f"The integration {table.attrs['status'].rstrip('.')}; {reached} of {number(len(table))} steps were reached.")
+        found.append(f"The integration {table.attrs['status'].rstrip('.')}; {reached} of {number(len(table))} steps "
+                     "were reached.")
     if reached < 2:
         return found
     seconds = table["time"].iloc[reached - 1]
     change = table["energy_change"].dropna()
     if table.attrs["lossless"] and len(change):
         worst = change.abs().max()
-        found.append(f"Nothing gives or takes energy; over {seconds:.4g} s it is off by {100 * worst:.2g} % at most and by {100 * change.iloc[-1]:+.2g} % at the end, "
+        found.append(f"Nothing gives or takes energy; over {seconds:.4g} s it is off by {100 * worst:.2g} % at most "
+                     f"and by {100 * change.iloc[-1]:+.2g} % at the end, "
                      f"{'within' if worst <= studies.SOUND else 'more than'} {100 * studies.SOUND:g} %.")
     if "greatest_penetration" in table and table["greatest_penetration"].notna().any():
         deepest = table["greatest_penetration"].idxmax()
         depth = table["greatest_penetration"][deepest]
-        found.append(f"Over {seconds:.4g} s bodies sink into each other by {depth:.3g} m at most, at {table['time'][deepest]:.4g} s." if depth > 0
+        found.append(f"Over {seconds:.4g} s bodies sink into each other by {depth:.3g} m at most, at "
+                     f"{table['time'][deepest]:.4g} s." if depth > 0
                      else f"Over {seconds:.4g} s no body sinks into another.")
     more = drift_words(run)
     return found + ([f"{more[:1].upper()}{more[1:]} over {seconds:.4g} s."] if more else [])
@@ -257,7 +279,8 @@ def drift(run):
 def algorithms(run):
     """Who errs least and who is quickest in a scene with answers; extremes have findings of their own."""
     table = run.summary
-    if not len(table) or getattr(run, "extremes", None) is not None or not {"error", "time_mean_ns"} <= set(table.columns):
+    if not len(table) or getattr(run, "extremes",
+                                 None) is not None or not {"error", "time_mean_ns"} <= set(table.columns):
         return []
     told = table.dropna(subset=["error", "time_mean_ns"])
     if len(told) < 2:
@@ -267,10 +290,12 @@ def algorithms(run):
     least, quick = told.loc[told["error"].idxmin()], told.loc[told["time_mean_ns"].idxmin()]
     even = told[told["error"] == least["error"]]
     least = even.loc[even["time_mean_ns"].idxmin()]
-    text = (f"Of {len(told)} labels {least.name} errs least, {least['error']:.3g} at {time_text(least['time_mean_ns'])} a step; "
+    text = (f"Of {len(told)} labels {least.name} errs least, {least['error']:.3g} at "
+            f"{time_text(least['time_mean_ns'])} a step; "
             f"{quick.name} is quickest, {quick['error']:.3g} at {time_text(quick['time_mean_ns'])}.")
     if least.name == quick.name:
-        text = f"Of {len(told)} labels {least.name} errs least and is quickest: {least['error']:.3g} at {time_text(least['time_mean_ns'])} a step."
+        text = (f"Of {len(told)} labels {least.name} errs least and is quickest: {least['error']:.3g} at "
+                f"{time_text(least['time_mean_ns'])} a step.")
     times = {label: times for label, times in run.step_times.items() if label in told.index}
     equals = [label for label, mine in times.items() if label != quick.name
               and intervals.alike(intervals.ratio(mine, times[quick.name]), run.noise)]

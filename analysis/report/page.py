@@ -43,7 +43,8 @@ def _part(part):
     """A part as what its macro in page.html takes: its name and the arguments."""
     if isinstance(part, Figure):
         kind = "picture dense" if dense(part.svg) else "picture"
-        return "figure", (part.key, part.title.removesuffix("."), kind, part.svg, part.caption, table(part.table, part.title),
+        return "figure", (part.key, part.title.removesuffix("."), kind, part.svg, part.caption,
+                          table(part.table, part.title),
                           counted(len(part.table), "row"))
     if isinstance(part, Points):
         return "points", (part.title, part.items)

@@ -4,7 +4,11 @@ import json
 
 import pandas as pd
 
-from analysis.figures import error as plots_error, extremes as extremes_figures, study as study_figures, sweep as sweep_figures, thesis as thesis_figures
+from analysis.figures import error as plots_error
+from analysis.figures import extremes as extremes_figures
+from analysis.figures import study as study_figures
+from analysis.figures import sweep as sweep_figures
+from analysis.figures import thesis as thesis_figures
 from analysis.report import findings
 from analysis.tables import pareto
 from analysis.figures.figure import Section, Table, Text
@@ -52,14 +56,14 @@ Matthews: Matthews' correlation coefficient of reported and true, over all pairs
 time: One thread, a monotonic clock around an algorithm's own work for one step: what depends on one body, then all
     pairs. The fastest of the repeats. Times compare within one machine and build only. From, to: a 95 % interval of the
     mean, by a block bootstrap over steps.
-as fast as: The 95 % interval of the ratio of two mean times, from the same steps, holds 1 or lies within the noise floor,
-    which is the interval of a label with itself, timed twice.
-set-up and memory: What a method makes once for the bodies of a run, no part of its time per step; the heap that it holds
-    then, and the most at any time.
+as fast as: The 95 % interval of the ratio of two mean times, from the same steps, holds 1 or lies within the noise
+    floor, which is the interval of a label with itself, timed twice.
+set-up and memory: What a method makes once for the bodies of a run, no part of its time per step; the heap that it
+    holds then, and the most at any time.
 operations: The elementary tests an algorithm really made, its cheap rejections and its prefilter's included: a cost
     that is the same on every machine.
-promise: conservative: never misses a pair that truly meets; exact: neither misses one nor reports another; none. A miss that
-    vanishes when boxes and radii grow by 2^-40 of their size is rounding and breaks nothing.
+promise: conservative: never misses a pair that truly meets; exact: neither misses one nor reports another; none. A
+    miss that vanishes when boxes and radii grow by 2^-40 of their size is rounding and breaks nothing.
 scope: A pairwise method visits every pair; a whole-scene method has a broad phase of its own and is drawn hollow.
 Pareto front: The labels for which no other is at most as costly and at most as wrong, and better in one of the two.
 """  # one a line, its further lines indented
@@ -68,14 +72,56 @@ Pareto front: The labels for which no other is at most as costly and at most as 
 def report(runs):
     """The HTML of a report on `runs`, a list of Run; the same files give the same bytes."""
     titles = " / ".join(dict.fromkeys(pareto.title(run) for run in runs))
+    lost = failures(runs)
+    others = foreign(runs)
+    runs = [run.completed() for run in runs]
     found = pareto.scenes(runs)
-    return page(f"Collision benchmark: {titles}", lead(runs, found), warnings(runs, found), sections(runs, found))
+    parts = [*sections(runs, found), *([others] if others else [])]
+    return page(f"Collision benchmark: {titles}", lead(runs, found), lost + warnings(runs, found), parts)
+
+
+def failures(runs):
+    """Methods of others that ended early; one line each."""
+    return [
+        f"{pareto.name(run)}: {label} failed after {number(int(done))} of {counted(run.meta['steps'], 'step')}:"
+        f" {reason.rstrip('.')}. It is left out of figures and tables."
+        for run in runs for label, (reason, done) in run.failed.items()
+    ]
+
+
+def foreign(runs):
+    """What methods of others are, and how they ended; None when there are none."""
+    rows = []
+    for run in runs:
+        exchange = {}
+        if "exchange_ns" in run.per_step:
+            exchange = run.per_step.groupby("algorithm", observed=False)["exchange_ns"].mean()
+        for label, told in run.meta["answers"].items():
+            if not told.get("transport"):
+                continue
+            whole = told.get("status") == "complete" and label in exchange and exchange[label] > 0
+            rows.append({
+                "label": label, "file": pareto.name(run), "asked as": told["transport"],
+                "command": told.get("command", ""),
+                "method": " ".join(filter(None, (told.get("name", ""), told.get("version", "")))),
+                "language": told.get("language", ""), "precision": told.get("precision", ""),
+                "threads": told.get("threads", 1),
+                "exchange (µs)": exchange[label] / 1e3 if whole else float("nan"),
+                "status": told.get("status", ""), "steps": told.get("steps_done", 0), "reason": told.get("reason", ""),
+            })
+    caption = (
+        "Their time is their own, taken by a clock in their process around the work for a step; the wall time of"
+        " question and answer, its mean over steps here, bounds it. A library is called in a process of its own, a program asked"
+        " through pipes."
+    )
+    return Section("Methods of others", [Table("Who answered, and how", pd.DataFrame(rows), caption)]) if rows else None
 
 
 def sweep_report(table):
     """The HTML of a report on a sweep, the frame of load_sweep; the same files give the same bytes."""
     title = f"Collision benchmark: {table.attrs['title']}"
-    return page(title, sweep_figures.lead(table), sweep_figures.warnings(table), [*sweep_figures.sections(table), definitions()])
+    return page(title, sweep_figures.lead(table), sweep_figures.warnings(table),
+                [*sweep_figures.sections(table), definitions()])
 
 
 def sections(runs, found):
@@ -108,7 +154,8 @@ def lead(runs, found):
     labels, lines = len(tests), []
     if labels or not any(map(is_study, runs)):
         lines.append(
-            f"How often {counted(labels, 'collision test')} between triangle meshes {verb(labels, 'errs', 'err')}, judged by"
+            f"How often {counted(labels, 'collision test')} between triangle meshes {verb(labels, 'errs', 'err')}, "
+            "judged by"
             f" exact answers, and what {verb(labels, 'it costs', 'they cost')}."
         )
     if any(map(is_study, runs)):
@@ -194,14 +241,16 @@ def doubtful_times(run):
     if {"time_mean_ns", "time_p95_ns"} <= set(table):
         few = list(table.index[table.time_mean_ns > table.time_p95_ns])
         if few:
-            lines.append(f"the mean time of {listed(few)} lies above its 95th percentile: a few steps, or a disturbance, take"
+            lines.append(f"the mean time of {listed(few)} lies above its 95th percentile: a few steps, or a "
+                         "disturbance, take"
                          " most of it; the median tells more.")
     if "processor_mean_ns" in table:
         share = table.time_mean_ns / table.processor_mean_ns - 1
         late = share[share > DISTURBED]
         if len(late):
-            each = listed(f"{label} by {100 * value:.2g} %" for label, value in late.items())
-            lines.append(f"the run was disturbed: wall time is above the processor's own, of {each}; time again on an idle"
+            each = listed(f"{label} by {number(100 * value)} %" for label, value in late.items())
+            lines.append(f"the run was disturbed: wall time is above the processor's own, of {each}; time again on an "
+                         "idle"
                          " machine.")
     return lines
 
@@ -271,7 +320,8 @@ def summary(runs, found):
         hits = number(int(scene.runs[0].truth_hits.sum()))
         caption = (
             f"{counted(len(points), 'label')}; counts are sums over {counted(scene.runs[0].meta['steps'], 'step')}, in"
-            f" which {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. {timed}"
+            f" which {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. "
+            f"{timed}"
         )
         parts.append(Table(scene.title, frame, caption))
         knobs = [

@@ -80,7 +80,7 @@ def _ran(plan, point, base):
             signal.signal(number, stop)
         code = process.wait()
     found = {"exit_code": code if code >= 0 else 128 - code, "wall_time_s": round(time.monotonic() - began, 3)}
-    # A scheduler's signal goes to all processes of a job; the program may end of it before this one has noticed its own.
+    # A scheduler's signal goes to all processes of a job; the program may end before this one has noticed its own.
     ended = stopped[0] if stopped else -code if -code in STOPS else signal.SIGTERM if code == INTERRUPTED else None
     if ended:
         reason = f"stopped by {signal.Signals(ended).name} (cancelled, or its time was up); a rerun goes on from there"

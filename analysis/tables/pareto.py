@@ -16,7 +16,7 @@ class Scene:
     """Results that ask the same question: motion and truth are the same bit for bit, so errors compare.
 
     points: one row per label: label (unique), algorithm, file, knobs (dict), scope, promise, unit (of operations),
-    exact and library (bool), machine (host, processor and build as one text: times compare only within one), times
+    exact and library (bool), asked (how, of a method of others), machine (host, processor and build as one text: times compare only within one), times
     (per step, ns; empty when the file has none), floor (an Interval or None: the noise floor of its file), error,
     hits, true_positive, ..., time_mean_ns, time_median_ns, time_p95_ns, operations (per step), promise_kept.
     """
@@ -45,12 +45,23 @@ def name(run):
     return os.path.splitext(os.path.basename(run.path))[0]
 
 
+def how_asked(answers):
+    """" (program, Python)" of a method of others: its times are drawn beside those of others only where this is said."""
+    how = [answers.get("transport", ""), answers.get("language", "").partition(" ")[0].rstrip(",")]
+    return f" ({', '.join(filter(None, how))})" if how[0] else ""
+
+
 def machine(answers):
     """Where and with what an algorithm was timed: "processor on host, commit build compiler"."""
     commit, _, rest = answers.get("build", "").partition(" ")
     commit, dirty, _ = commit.partition("-")
     place = f"{answers.get('processor', '?')} on {answers.get('host', '?')}"
     return f"{place}, {commit[:7]}{dirty and '-dirty'} {rest}".strip()
+
+
+def asked(answers):
+    """How a method of others was asked and what it is written in: "imported, Fortran"; "" of one of the program."""
+    return ", ".join(filter(None, (answers.get("transport"), answers.get("language"))))
 
 
 def _points(runs):
@@ -66,7 +77,7 @@ def _points(runs):
             seen.add(identity)
             rows.append(
                 {
-                    "label": label,
+                    "label": label + how_asked(answers),
                     "algorithm": answers.get("name", label),
                     "file": name(run),
                     "knobs": _knobs(answers.get("knobs", "{}")),
@@ -76,6 +87,7 @@ def _points(runs):
                     "exact": answers.get("promise") == "exact",
                     "library": bool(answers.get("library")),
                     "machine": machine(answers),
+                    "asked": asked(answers),
                     "times": run.step_times.get(label, np.zeros(0)),
                     "floor": run.noise,
                 }

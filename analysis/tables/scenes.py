@@ -82,8 +82,8 @@ def timed(run):
 
 
 def twins(run):
-    """Labels that are timed in another procedure than the thesis's -> the label of the same answers in the thesis's own,
-    "" where the file has none.
+    """Labels that are timed in another procedure than the thesis's -> the label of the same answers in the thesis's
+    own, "" where the file has none.
 
     That is facet_distance with search = "indexed": it leaves out points that surely are not near, the thesis compared
     all. Its answers are the same.

@@ -59,8 +59,9 @@ class Statement:
 # Times and counts: the box and the falling scene.
 #
 # Of two times one is above the other when their ratio says so beyond its interval and the noise floor; where it does
-# not, they are as fast as each other and decide nothing. A ratio that shall be in a range is in it by its value; outside
-# of it decides only what is outside with its whole interval. Where times per step are not known, values alone decide.
+# not, they are as fast as each other and decide nothing. A ratio that shall be in a range is in it by its value;
+# outside of it decides only what is outside with its whole interval. Where times per step are not known, values alone
+# decide.
 
 
 def above(ratio, floor=None):
@@ -69,8 +70,8 @@ def above(ratio, floor=None):
 
 
 def ordered(ratios, what):
-    """Whether all of `ratios`, (name, Interval, noise floor or None), are above 1. Raises NotTestable when none is below
-    but not all can be told."""
+    """Whether all of `ratios`, (name, Interval, noise floor or None), are above 1. Raises NotTestable when none is
+    below but not all can be told."""
     signs = [above(ratio, floor) for _, ratio, floor in ratios]
     unsure = [(name, ratio) for (name, ratio, _), sign in zip(ratios, signs) if sign == 0 and ratio.known]
     if min(signs) >= 0 and unsure:
@@ -505,7 +506,7 @@ STATEMENTS = [
     Statement(28, "I sees the ring's middle and the knot's loop, has blind places, and misses a body inside another.",
               PLAY, "I", sees_but_has_holes),
     Statement(29, "U answers practically as I does.", PLAY, "IU", practically_alike),
-]  # fmt: skip
+]
 
 
 def as_published(scene, kind, labels):

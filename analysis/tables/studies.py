@@ -16,18 +16,18 @@ DEARER = 2
 PARAMETERS = [
     "units", "duration", "greatest_step", "radius", "thickness", "offset", "mass", "inertia", "balls", "mass_ratio",
     "speed", "transition_velocity", "stiffness", "dissipation",
-]  # fmt: skip
+]
 
 
 def orders(run):
     """The order of convergence of every sweep and integrator, once by fixed steps and once by accuracies.
 
-    Of sweeps that vary nothing else. Rows: sweep, integrator, by ("fixed_step" or "accuracy"). Columns: points (fitted),
-    order (the slope of the error's logarithm over that of the step, by accuracies of the mean step), spread (standard
-    error of the slope), nominal (by Simbody's documentation; NaN where it varies). NaN where fewer than three points are
-    in the asymptotic range: errors from 0.1 down to 1e-11 that fall from each step to the next shorter, of them the
-    finest four. Where a body enters a contact within a step even the high orders fall to 2 to 3: the force has no second
-    derivative there.
+    Of sweeps that vary nothing else. Rows: sweep, integrator, by ("fixed_step" or "accuracy"). Columns: points
+    (fitted), order (the slope of the error's logarithm over that of the step, by accuracies of the mean step), spread
+    (standard error of the slope), nominal (by Simbody's documentation; NaN where it varies). NaN where fewer than three
+    points are in the asymptotic range: errors from 0.1 down to 1e-11 that fall from each step to the next shorter, of
+    them the finest four. Where a body enters a contact within a step even the high orders fall to 2 to 3: the force has
+    no second derivative there.
     """
     table = study(run)
     table = table[table.finished & (table.error > 0)]

@@ -1,9 +1,9 @@
 """What the report draws of studies of integrators: cases by what they vary, who is cheapest, who may be recommended.
 
-Functions from a Run with a study (one row per case) to tables. Sweeps are told apart by what varies in them, not by name:
-one that varies a single FACTOR is a map of integrators over that factor; cases that differ in accuracy or fixed step
-alone are a work-precision problem; every other case is an extreme. A case that did not finish stays in every table.
-Orders and drift are studies.py's.
+Functions from a Run with a study (one row per case) to tables. Sweeps are told apart by what varies in them, not by
+name: one that varies a single FACTOR is a map of integrators over that factor; cases that differ in accuracy or fixed
+step alone are a work-precision problem; every other case is an extreme. A case that did not finish stays in every
+table. Orders and drift are studies.py's.
 """
 
 import tomllib
@@ -16,7 +16,8 @@ from analysis.tables.studies import PARAMETERS, varied
 
 CONTROLS = ["accuracy", "fixed_step"]
 FACTORS = ["stiffness", "mass_ratio", "transition_velocity", "dissipation"]
-UNITS = {"stiffness": "Pa", "transition_velocity": "m/s", "dissipation": "s/m", "offset": "m", "radius": "m", "mass": "kg",
+UNITS = {"stiffness": "Pa", "transition_velocity": "m/s", "dissipation": "s/m", "offset": "m", "radius": "m",
+         "mass": "kg",
          "greatest_step": "s", "speed": "m/s", "duration": "s", "thickness": "m", "inertia": "kg m²"}
 THRESHOLDS = (1e-3, 1e-6, 1e-9)
 BOUND = studies.SOUND  # of the problem's energy
@@ -143,11 +144,12 @@ def default_stiffness(run):
 def recommendation(run, stiffness=None, bound=BOUND):
     """What may be recommended for a stiffness (the default one when not given): one row per integrator and setting.
 
-    Judged are the cases of the sweeps over stiffness at most NEAR times from it. Columns: integrator, setting, accuracy,
-    fixed_step, cases, of (cases that somebody has), holds (how many finish within `bound`), worst_energy_error,
-    energy_error (geometric mean), force_evaluations (sum), cheapest (it needs the fewest of those that hold in all),
-    recommended (of those that hold in all and need at most studies.DEARER times as many as the cheapest, the most
-    accurate; none when nobody holds, or nobody has all cases). Sorted: those that hold in all first, by evaluations.
+    Judged are the cases of the sweeps over stiffness at most NEAR times from it. Columns: integrator, setting,
+    accuracy, fixed_step, cases, of (cases that somebody has), holds (how many finish within `bound`),
+    worst_energy_error, energy_error (geometric mean), force_evaluations (sum), cheapest (it needs the fewest of those
+    that hold in all), recommended (of those that hold in all and need at most studies.DEARER times as many as the
+    cheapest, the most accurate; none when nobody holds, or nobody has all cases). Sorted: those that hold in all first,
+    by evaluations.
     """
     stiffness = default_stiffness(run) if stiffness is None else stiffness
     names = ["integrator", "setting", *CONTROLS, "cases", "of", "holds", "worst_energy_error", "energy_error",
@@ -173,16 +175,18 @@ def recommendation(run, stiffness=None, bound=BOUND):
     table = table.reset_index(drop=True)
     if len(table) and table["full"].iloc[0]:
         table.loc[0, "cheapest"] = True
-        near_cheapest = table[table["full"] & (table["force_evaluations"] <= studies.DEARER * table["force_evaluations"].iloc[0])]
+        most = studies.DEARER * table["force_evaluations"].iloc[0]
+        near_cheapest = table[table["full"] & (table["force_evaluations"] <= most)]
         table.loc[near_cheapest["energy_error"].idxmin(), "recommended"] = True
     return table.drop(columns="full")
 
 
 def followed(run, others):
-    """Whether integrated runs do as a study recommends at their stiffness: one row per run of `others` with a stiffness.
+    """Whether integrated runs do as a study recommends at their stiffness: one row per run of `others` with a
+    stiffness.
 
-    Columns: file's title, integrator, setting, stiffness, recommended (text; "" for none), follows (bool), holds (their own
-    integrator and setting hold in all near cases; NaN: the study has them not), times (their evaluations over the
+    Columns: file's title, integrator, setting, stiffness, recommended (text; "" for none), follows (bool), holds (their
+    own integrator and setting hold in all near cases; NaN: the study has them not), times (their evaluations over the
     recommended ones' in those cases).
     """
     found = []
@@ -200,7 +204,8 @@ def followed(run, others):
         own, best = (None if rows.empty else rows.iloc[0] for rows in (same, best))
         found.append((
             other.meta.get("title", ""), physics["integrator"], setting(mine), float(physics["stiffness"]),
-            "" if best is None else f"{best['integrator']} at {best['setting']}", own is not None and bool(own["recommended"]),
+            "" if best is None else f"{best['integrator']} at {best['setting']}", own is not None
+            and bool(own["recommended"]),
             np.nan if own is None else float(own["cases"] == own["of"] == own["holds"]),
             np.nan if own is None or best is None else own["force_evaluations"] / best["force_evaluations"],
         ))
@@ -224,8 +229,8 @@ def extremes_of_motion(run):
     """The cases that are neither a map nor of a work-precision problem.
 
     Columns: sweep, case (what varies in its sweep, as text), integrator, finished, status, reason, error, energy_error,
-    greatest_penetration (m), steps, force_evaluations, preventing_step (s), own_step (s; NaN: none: the fixed step that a
-    case takes although its greatest step is to be shorter).
+    greatest_penetration (m), steps, force_evaluations, preventing_step (s), own_step (s; NaN: none: the fixed step that
+    a case takes although its greatest step is to be shorter).
     """
     columns = ["sweep", "case", "integrator", "finished", "status", "reason", "error", "energy_error",
                "greatest_penetration", "steps", "force_evaluations", "preventing_step", "own_step"]
@@ -256,11 +261,13 @@ def case_text(row, names, control):
 def tunnelling(run):
     """Cases against a plate: which steps let the ball through, and the greatest that does not.
 
-    One row per sweep, stiffness and integrator. Columns: speed (m/s), thickness (m), stiffness (Pa), went_through and stopped
-    (steps of such cases, s, as lists: the fixed one, else the greatest allowed), preventing_step (s; NaN: none was found).
+    One row per sweep, stiffness and integrator. Columns: speed (m/s), thickness (m), stiffness (Pa), went_through and
+    stopped (steps of such cases, s, as lists: the fixed one, else the greatest allowed), preventing_step (s; NaN: none
+    was found).
     """
     study = studies.study(run)
-    rows = study[study["preventing_step"].notna() | (study["status"] == "tunnelled") | (study["problem"] == "thin_plate")]
+    fell_through = study["preventing_step"].notna() | (study["status"] == "tunnelled")
+    rows = study[fell_through | (study["problem"] == "thin_plate")]
     found = []
     keys = ["sweep", "speed", "thickness", "stiffness", "integrator"]
     for key, mine in rows.groupby(keys, sort=False, dropna=False):
@@ -298,7 +305,8 @@ def drift_steps(run):
 def lossless(run):
     """Whether by its configuration a run has no losses, and no births and pushes after its first step."""
     options, scene = physics_of(run), table_of(run, "scene")
-    losses = ["dissipation", "static_friction", "dynamic_friction", "viscous_friction", "linear_damping", "angular_damping"]
+    losses = ["dissipation", "static_friction", "dynamic_friction", "viscous_friction", "linear_damping",
+              "angular_damping"]
     if "dissipation" not in options or any(options.get(name) for name in losses):
         return False
     if (run.bodies["first_step"] > 0).any():

@@ -1,8 +1,8 @@
 """A look at a step: one HTML page with the bodies in 3D, right and wrong answers coloured and listed.
 
-The page holds everything: three.js (Debian's libjs-three: one apt package, no second registry, no bundler), our scripts,
-the meshes once each, the poses of a window of steps, and the wrong answers of all algorithms in it. It asks the network
-for nothing; its Content-Security-Policy forbids that.
+The page holds everything: three.js (Debian's libjs-three: one apt package, no second registry, no bundler), our
+scripts, the meshes once each, the poses of a window of steps, and the wrong answers of all algorithms in it. It asks
+the network for nothing; its Content-Security-Policy forbids that.
 """
 
 import base64
@@ -83,7 +83,7 @@ def step_page(path, step=None, label=None, window=None, unsealed=False):
     window: slice of steps, None for AROUND on either side of step. Raises OSError or ValueError when the file is not a
     result, Unfit when a value does not fit it, Uninstalled when three.js is not there.
     """
-    run = load(path, unsealed)
+    run = load(path, unsealed).completed()
     steps, labels = run.meta["steps"], run.meta["algorithms"]
     if not steps or not run.meta["bodies"]:
         raise Unfit(f"{path}: has no {'bodies' if steps else 'steps'}; there is nothing to show")

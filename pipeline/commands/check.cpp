@@ -24,7 +24,7 @@ std::string checked(const Config& config, const std::filesystem::path& output, b
     const Scene scene = make_scene(config);
     planned = plan(config, scene, threads);
     refuse_if_too_large(planned, output);
-    refuse_unfit(scene.bodies, config.algorithms);
+    planned.abouts = refuse_unfit(scene.bodies, config.algorithms);
     stages = foreseen_stages(config, scene, planned, threads, kTrial);
   }
   const Seconds time = range(stages, config);
@@ -36,16 +36,17 @@ std::string checked(const Config& config, const std::filesystem::path& output, b
 void add_check(CLI::App& program, int& code) {
   struct Options {
     std::string config, file;
-    std::vector<std::string> sets;
+    std::vector<std::string> sets, plugins;
     bool json = false;
   };
   const auto o = std::make_shared<Options>();
   CLI::App& command = *program.add_subcommand("check", "Validate a configuration and say what would run");
   add_config(command, o->config, o->sets);
   add_output(command, o->file, "Result file that would be written");
+  add_plugin_option(command, o->plugins);
   add_json(command, o->json);
   command.callback([o, &code] {
-    const Config config = read_config(o->config, o->sets);
+    const Config config = read_config(o->config, o->sets, o->plugins);
     warn(config.notes);
     if (const std::string left = left_out(config); !left.empty()) warn({left});
     put(checked(config, output_path(config, {.output = o->file}), o->json));

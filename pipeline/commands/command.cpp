@@ -40,6 +40,15 @@ void add_config(CLI::App& command, std::string& path, std::vector<std::string>& 
       ->allow_extra_args(false);
 }
 
+void add_plugin_option(CLI::App& command, std::vector<std::string>& libraries) {
+  command
+      .add_option("--plugin", libraries,
+                  "Shared library with methods of others (algorithms/README.md); repeated for more")
+      ->option_text("LIBRARY")
+      ->allow_extra_args(false)
+      ->check(must_name("a shared library"));
+}
+
 void add_file(CLI::App& command, std::string& path, const std::string& what) {
   command.add_option("FILE", path, what)->required();
 }

@@ -17,6 +17,7 @@ using AddCommand = void (*)(CLI::App& program, int& code);
 
 // Options that mean the same everywhere.
 void add_config(CLI::App& command, std::string& path, std::vector<std::string>& sets);  // CONFIG and --set
+void add_plugin_option(CLI::App& command, std::vector<std::string>& libraries);
 void add_file(CLI::App& command, std::string& path, const std::string& what = "Result file");
 void add_output(CLI::App& command, std::string& path, const std::string& what);
 void add_threads(CLI::App& command, int& threads, const std::string& what);

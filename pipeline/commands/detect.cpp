@@ -20,6 +20,7 @@ void add_detect(CLI::App& program, int& code) {
                   "One algorithm; repeated for more. Without it those of the file's configuration")
       ->option_text("NAME[:knob=value,...][@LABEL]")
       ->allow_extra_args(false);
+  add_plugin_option(command, o->plugins);
   command.add_flag("--force", o->force, "Replace answers whose label exists");
   add_quiet(command, o->quiet);
   add_digests(command, o->digests);

@@ -10,6 +10,7 @@
 #include "pipeline/keys.hpp"
 #include "pipeline/result/datasets.hpp"
 #include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/plugin.hpp"
 #include "pipeline/study/problem.hpp"
 #include "pipeline/terminal/print.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -72,8 +73,11 @@ std::vector<NamedText> rows_of(const std::string& what) {
 std::string algorithm_text(const algorithms::Algorithm& row) {
   std::string text = row.name + (row.thesis_key.empty() ? "" : " (" + row.thesis_key + ")") + ": " + row.what + "\n";
   text += "    promise " + std::string(algorithms::text(row.promise)) + ", scope " +
-          std::string(algorithms::text(row.scope)) + ", operations are " + row.operations_unit + "\n";
-  if (!row.library.version.empty()) text += "    of the library " + row.library.name + " " + row.library.version + "\n";
+          std::string(algorithms::text(row.scope)) + ", " +
+          (row.operations_unit.empty() ? "operations are not counted" : "operations are " + row.operations_unit) + "\n";
+  if (!row.library.version.empty() || !row.library.sha256.empty())
+    text += "    of the library " + row.library.name + (row.library.version.empty() ? "" : " " + row.library.version) +
+            (row.library.sha256.empty() ? "" : ", precision " + row.precision) + "\n";
   for (const algorithms::Knob& knob : row.knobs) {
     text += "    " + knob.name + " = " + value_text(knob.preset) + (knob.unit == "1" ? "" : " " + knob.unit);
     const std::string range = range_text(knob);
@@ -98,13 +102,17 @@ Json algorithm_json(const algorithms::Algorithm& row) {
     knobs.push_back(entry);
   }
   const algorithms::Library& library = row.library;
+  Json of_whom;  // null: of this project
+  if (!library.name.empty()) of_whom = {{"name", library.name}, {"version", library.version}};
+  if (!library.sha256.empty()) of_whom["sha256"] = library.sha256;
   return {{"name", row.name},
           {"thesis_key", row.thesis_key},
           {"what", row.what},
           {"promise", algorithms::text(row.promise)},
           {"scope", algorithms::text(row.scope)},
           {"operations_unit", row.operations_unit},
-          {"library", library.name.empty() ? Json() : Json{{"name", library.name}, {"version", library.version}}},
+          {"precision", row.precision},
+          {"library", of_whom},
           {"knobs", knobs}};
 }
 
@@ -180,6 +188,7 @@ std::string list_text(const std::string& what) {
     return text;
   }
   for (const algorithms::Algorithm& row : algorithms::all()) text += algorithm_text(row);
+  for (const algorithms::Algorithm& row : algorithms::added()) text += algorithm_text(row);
   for (const algorithms::Algorithm& row : algorithms::missing())
     text += algorithm_text(row) + "    not in this build: it needs " + algorithms::remedy(row) + "\n";
   return text;
@@ -198,12 +207,14 @@ std::string list_json(const std::string& what) {
     json.push_back(algorithm_json(row));
     json.back()["missing"] = algorithms::remedy(row);
   }
+  for (const algorithms::Algorithm& row : algorithms::added()) json.push_back(algorithm_json(row));
   return dumped(json);
 }
 
 void add_list(CLI::App& program, int& code) {
   struct Options {
     std::string what;
+    std::vector<std::string> plugins;
     bool json = false;
   };
   const auto o = std::make_shared<Options>();
@@ -211,8 +222,10 @@ void add_list(CLI::App& program, int& code) {
   command.add_option("WHAT", o->what, "algorithms, scenes, shapes, integrators, problems, keys or datasets")
       ->required()
       ->check(CLI::IsMember({"algorithms", "scenes", "shapes", "integrators", "problems", "keys", "datasets"}));
+  add_plugin_option(command, o->plugins);
   add_json(command, o->json);
   command.callback([o, &code] {
+    add_plugins(o->plugins);
     put((o->json ? list_json : list_text)(o->what));
     code = 0;
   });

@@ -18,6 +18,7 @@ void add_run(CLI::App& program, int& code) {
   CLI::App& command = *program.add_subcommand("run", "Simulate, decide, detect, score and store one configuration");
   add_config(command, o->config, o->sets);
   add_output(command, o->file, "Result file; without it results/<name of CONFIG>.h5");
+  add_plugin_option(command, o->plugins);
   add_threads(command, o->threads, "Threads of the truth stage, and cases of a study at a time");
   command.add_flag("--force", o->force, "Replace an existing result, discard another unfinished run");
   add_quiet(command, o->quiet);
@@ -27,7 +28,7 @@ void add_run(CLI::App& program, int& code) {
     stop_on_signals();
     warn(suspicions());
     o->output = o->file;
-    const Config config = read_config(o->config, o->sets);
+    const Config config = read_config(o->config, o->sets, o->plugins);
     warn(config.notes);
     if (const std::string left = left_out(config); !left.empty()) warn({left});
     code = finish(run(config, *o), output_path(config, *o).string(), o->json, o->digests);

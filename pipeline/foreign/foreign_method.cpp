@@ -29,9 +29,21 @@ Process::Answer ForeignMethod::ask(std::string_view frame, const Expected& expec
   try {
     return process_->ask(frame, expected, std::min(seconds, left));
   } catch (const TooLate&) {
-    if (left < seconds) throw all;
+    if (left <= seconds) throw all;
     throw;
   }
+}
+
+void ForeignMethod::warm_up(std::span<const Pose> poses, std::span<const PairRun> runs, int times) {
+  constexpr double kEnough = 1;  // s
+  const double start = waited();
+  std::vector<Pair> hits;
+  prepare(poses);
+  for (int i = 0; i < times && waited() - start < kEnough; ++i) {
+    hits.clear();
+    answer(runs, hits);
+  }
+  forget();
 }
 
 void ForeignMethod::prepare(std::span<const Pose> poses, double enlarge) {

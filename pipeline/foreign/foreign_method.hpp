@@ -30,6 +30,9 @@ class ForeignMethod final : public algorithms::Method {
   /// Which step the next questions are about: told to the method for its messages.
   void at(std::uint32_t step) { step_ = step; }
 
+  /// Asks about a step so many times, or for a second, and forgets it.
+  void warm_up(std::span<const geometry::Pose> poses, std::span<const geometry::PairRun> runs, int times);
+
   /// Kept for the question; nothing is sent yet.
   void prepare(std::span<const geometry::Pose> poses, double enlarge = 0) override;
 

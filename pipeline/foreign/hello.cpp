@@ -18,11 +18,25 @@ constexpr std::size_t kMostText = 200;            // characters of a name, versi
 constexpr double kMostNumber = 9007199254740992;  // 2^53
 constexpr std::int64_t kMostThreads = 4096;
 
+std::string number_text(double value) { return real_text(value); }
+std::string number_text(std::uint32_t value) { return std::to_string(value); }
+
+/// Values one after another, as members of a JSON array. Meshes are long: nothing but the text is made.
+template <class Values, class Add>
+void add_array(const Values& values, std::string& out, Add add) {
+  out += '[';
+  bool first = true;
+  for (const auto& value : values) {
+    if (!first) out += ',';
+    first = false;
+    add(value);
+  }
+  out += ']';
+}
+
 template <class Rows>
-json rows_of(const Rows& rows) {
-  json out = json::array();
-  for (const auto& row : rows) out.push_back({row[0], row[1], row[2]});
-  return out;
+void add_rows(const Rows& rows, std::string& out) {
+  add_array(rows, out, [&](const auto& row) { add_array(row, out, [&](auto x) { out += number_text(x); }); });
 }
 
 [[noreturn]] void refuse(const std::string& key, const std::string& rule) {
@@ -59,15 +73,23 @@ std::int64_t number(const json& hello, const std::string& key, std::int64_t pres
 }  // namespace
 
 std::string hello_text(const std::string& label, const geometry::Bodies& bodies, const std::string& knobs) {
-  json out = {{"protocol", kProtocol}, {"label", label}, {"knobs", json::parse(knobs)}};
-  out["bodies"] = out["meshes"] = json::array();
-  for (std::size_t body = 0; body < bodies.size(); ++body)
-    out["bodies"].push_back(
-        {{"name", bodies.name[body]}, {"mesh", bodies.mesh[body]}, {"fixed", bodies.fixed[body] != 0}});
-  for (const geometry::Mesh& mesh : bodies.meshes)
-    out["meshes"].push_back(
-        {{"name", mesh.name}, {"vertices", rows_of(mesh.vertices)}, {"triangles", rows_of(mesh.triangles)}});
-  std::string text = out.dump();
+  std::string text = "{\"protocol\":" + std::to_string(kProtocol) + ",\"label\":" + in_quotes(label) +
+                     ",\"knobs\":" + knobs + ",\"bodies\":";
+  std::size_t body = 0;
+  add_array(bodies.name, text, [&](const std::string& name) {
+    text += "{\"name\":" + in_quotes(name) + ",\"mesh\":" + std::to_string(bodies.mesh[body]) +
+            ",\"fixed\":" + (bodies.fixed[body] ? "true" : "false") + '}';
+    ++body;
+  });
+  text += ",\"meshes\":";
+  add_array(bodies.meshes, text, [&](const geometry::Mesh& mesh) {
+    text += "{\"name\":" + in_quotes(mesh.name) + ",\"vertices\":";
+    add_rows(mesh.vertices, text);
+    text += ",\"triangles\":";
+    add_rows(mesh.triangles, text);
+    text += '}';
+  });
+  text += '}';
   if (text.size() > kMostContent)
     throw Error(kInput, "algorithm '" + label + "': the meshes take " + std::to_string(text.size()) +
                             " bytes of JSON, at most 4 GiB can be told; take smaller meshes");
@@ -104,7 +126,7 @@ About about_in(std::string_view text_said) {
     refuse("protocol", std::to_string(kProtocol) + ", the version spoken here");
   About out;
   out.name = text(hello, "name", "");
-  if (out.name.empty()) refuse("name", "there");
+  if (!valid_label(out.name)) refuse("name", std::string("there and ") + kLabelRule);
   out.version = text(hello, "version", "");
   out.language = text(hello, "language", "");
   out.precision = text(hello, "precision", out.precision);

@@ -46,7 +46,7 @@ struct RigidBody {
   std::array<double, 6> inertia_matrix{};
   // Where it is touched instead, as a sphere whose `radius` from its origin holds all of them; they do not touch each
   // other. Its moments of inertia are those of the matrix above.
-  std::vector<ContactSphere> spheres;
+  std::vector<ContactSphere> spheres = {};
   // A pendulum: it only turns about the line through `pivot` m parallel to z, like a door. Its position must be `pivot`
   // less its own y axis times the distance.
   bool hung = false;

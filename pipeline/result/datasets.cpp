@@ -40,6 +40,8 @@ Result answered() {
   return out;
 }
 
+void touch_by_spheres(Result& result) { result.bodies.meshes[0].contact_spheres.resize(1); }
+
 void list_contained(Result& result) {
   result.truth.containment = Containment::meet;
   for (int step = 0; step < 2; ++step) result.truth.contained.append({});
@@ -61,6 +63,7 @@ struct Feature {
 };
 constexpr Feature kFeatures[] = {
     {"always", [](Result&) {}},
+    {"bodies that are no spheres touch others", touch_by_spheres},
     {"only chosen bodies count",
      [](Result& result) {
        result.bodies.chosen = {1, 0};
@@ -90,8 +93,8 @@ const char* type_text(Type type) {
 /// A dimension by the name of its scale; those that are always the same by their size.
 std::string size_text(std::string_view scale, std::uint64_t size) {
   static const std::map<std::string_view, const char*> letters = {
-      {"step", "S"},   {"boundary", "S + 1"}, {"body", "B"}, {"algorithm", "A"},
-      {"vertex", "V"}, {"triangle", "T"},     {"pass", "P"}, {"case", "C"}};
+      {"step", "S"},     {"boundary", "S + 1"}, {"body", "B"},   {"algorithm", "A"}, {"vertex", "V"},
+      {"triangle", "T"}, {"pass", "P"},         {"sphere", "K"}, {"case", "C"}};
   const std::string_view name = base_name(scale);
   if (const auto found = letters.find(name); found != letters.end()) return found->second;
   return name.ends_with("entry") ? "E" : std::to_string(size);

@@ -6,10 +6,10 @@
 namespace pipeline {
 
 struct DatasetFacts {
-  std::string path;  // <mesh> and <label> stand for names
-  std::string
-      shape;  // "S, B, 3": S steps, B bodies, A algorithms, V vertices, T triangles, E entries, P passes, C cases
-  std::string type;  // of numpy: "float64", ...; "text"
+  std::string path;   // <mesh> and <label> stand for names
+  std::string shape;  // "S, B, 3": S steps, B bodies, A algorithms, V vertices, T triangles, E entries, P passes, C
+                      // cases, K contact spheres
+  std::string type;   // of numpy: "float64", ...; "text"
   std::string unit, long_name;
   std::string when;  // "always", or what it takes
 };

@@ -445,6 +445,14 @@ std::vector<std::pair<std::string, double>> Section::named_reals(std::string_vie
   return out;
 }
 
+std::vector<std::string> Section::keys() const {
+  std::vector<std::string> out;
+  if (table_)
+    for (const auto& [key, node] : *table_) out.emplace_back(key.str());
+  std::ranges::sort(out);
+  return out;
+}
+
 std::optional<Document::Scalar> Section::scalar(std::string_view key) const {
   const toml::node* node = this->node(key);
   if (!node) return std::nullopt;

@@ -92,6 +92,9 @@ class Section {
   bool exists() const { return table_ != nullptr; }
   bool has(std::string_view key) const { return node(key) != nullptr; }
 
+  /// The names of its keys, sorted.
+  std::vector<std::string> keys() const;
+
   /// The table of that key.
   Section section(std::string_view key) const;
   /// The tables of [[key]], none when it is absent.

@@ -4,6 +4,15 @@
 
 namespace pipeline {
 
+const algorithms::Algorithm& row_of(const AlgorithmChoice& choice) {
+  return choice.foreign ? choice.foreign->row : *algorithms::find(choice.name);
+}
+
+std::unique_ptr<algorithms::Method> make_method(const AlgorithmChoice& choice, const geometry::Bodies& bodies) {
+  if (choice.foreign) return choice.foreign->start(bodies, choice.label, knobs_json(choice.knobs));
+  return row_of(choice).make(bodies, choice.knobs);
+}
+
 std::string knobs_json(const algorithms::Knobs& knobs) {
   std::string out = "{";
   for (const auto& [knob, value] : knobs) {

@@ -65,12 +65,14 @@ void append(Answers from, const CaseSet& set, Answers& to) {
 }
 
 /// No answer: nothing is reported, so what meets is missed.
-Answers silence(const Truth& truth, std::size_t steps) {
+Answers silence(const Truth& truth, std::size_t steps, bool foreign) {
   Answers out;
   each_answer_column([&](const auto& column) {
     if (!column.optional) (out.*column.member).assign(steps, 0);
   });
   if (truth.containment == Containment::record) out.contained_hit.assign(steps, 0);
+  out.processor_ns.assign(steps, 0);
+  if (foreign) out.exchange_ns.assign(steps, 0);
   for (std::size_t s = 0; s < steps; ++s) {
     out.hits.append({});
     out.false_negative[s] = truth.scoring(s).size();
@@ -84,9 +86,8 @@ Failed answer(const Stretch& range, const CaseSet& set, const AlgorithmChoice& c
               const Machine& machine, Answers& answers, ExtremeAnswers& cases) {
   Failed failure = kRefused;
   try {
-    const algorithms::Algorithm& row = *algorithms::find(choice.name);
     ExtremeAnswers said;
-    auto method = row.make(range.bodies, choice.knobs);
+    auto method = make_method(choice, range.bodies);
     failure = kThrew;
     for (std::vector<Pose> poses : range.poses) {
       for (Pose& pose : poses) pose.t += set.moved;
@@ -94,12 +95,13 @@ Failed answer(const Stretch& range, const CaseSet& set, const AlgorithmChoice& c
     }
     method.reset();
     const Bodies other_order = two_of(range.bodies, 1, 0);  // a method may keep a reference to its bodies
-    method = row.make(other_order, choice.knobs);
+    method = make_method(choice, other_order);
     for (const auto& poses : range.poses) said.swapped.push_back(reports(*method, {poses[1], poses[0]}));
     method.reset();
     Progress silent("", 0, true);
     const Answers found =
         detect(range.bodies, range.poses, range.truth, {choice}, repeats, machine, nullptr, silent)[0];
+    if (failed(found)) throw Fault(found.foreign->reason);
     append(found, set, answers);
     for (std::size_t s = 0; s < range.poses.size(); ++s) cases.reported.push_back(!found.hits.at(s).empty());
     cases.failed.resize(cases.reported.size(), kWell);
@@ -135,7 +137,7 @@ void answer_all(const Stretch& range, const CaseSet& set, const AlgorithmChoice&
     }
     return;
   }
-  append(silence(range.truth, steps), set, answers);
+  append(silence(range.truth, steps, choice.foreign != nullptr), set, answers);
   cases.failed.resize(cases.failed.size() + steps, failure);
   for (const auto column : {&ExtremeAnswers::reported, &ExtremeAnswers::swapped, &ExtremeAnswers::moved})
     (cases.*column).resize(cases.failed.size(), 0);
@@ -248,6 +250,9 @@ ExtremesDetected detect_extremes(const Bodies& bodies, const Poses& poses, const
     }
     if (part) part->save(name, out.bytes);
   }
+  for (std::size_t c = 0; c < choices.size(); ++c)
+    if (choices[c].foreign && std::ranges::any_of(all.cases[c].failed, [](std::uint8_t one) { return one != kWell; }))
+      all.answers[c].foreign->reason = all.cases[c].reason;
   return all;
 }
 

@@ -24,9 +24,14 @@ std::vector<PassRow> pass_rows(const geometry::Bodies& bodies, const std::vector
 
 /// What an algorithm said about them: `answers` are its own at every step of the motion, `choice` says how to ask
 /// again. The algorithm first reports at the first sample that it reports, or in the step before; if that is the pass's
-/// first sample, there: it may well have reported earlier. Likewise the last.
+/// first sample, there: it may well have reported earlier. Likewise the last. Of a method of others that has failed, or
+/// fails at this (which `answers` then say), nothing is known: NaN and 0.
 PassAnswers pass_answers(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
                          const Truth& truth, const std::vector<Pass>& passes, const std::vector<PassRow>& rows,
-                         const Answers& answers, const AlgorithmChoice& choice, Progress& progress);
+                         Answers& answers, const AlgorithmChoice& choice, Progress& progress);
+
+/// The same of answers that cannot be asked for again: a change between two samples counts as half way between them.
+PassAnswers sampled_pass_answers(const std::vector<Pass>& passes, const Truth& truth, const std::vector<PassRow>& rows,
+                                 const Answers& answers);
 
 }  // namespace pipeline

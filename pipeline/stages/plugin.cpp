@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -91,7 +92,8 @@ Json json_of(const Algorithm& row) {
                      {"what", knob.what},
                      {"least", real_json(knob.least)},
                      {"most", real_json(knob.most)},
-                     {"choices", knob.choices}});
+                     {"choices", knob.choices},
+                     {"containment", knob.role == algorithms::Role::containment}});
   return {{"name", row.name},
           {"what", row.what},
           {"operations_unit", row.operations_unit},
@@ -126,6 +128,7 @@ Algorithm row_of(const Json& json) {
     knob.least = real_of(one.at("least"));
     knob.most = real_of(one.at("most"));
     knob.choices = one.at("choices").get<std::vector<std::string>>();
+    if (one.at("containment").get<bool>()) knob.role = algorithms::Role::containment;
     row.knobs.push_back(std::move(knob));
   }
   return row;
@@ -217,6 +220,36 @@ Plugin add_plugin(const std::string& written, const std::filesystem::path& folde
     throw Error(kInput, whose + error.what());
   }
   return plugin;
+}
+
+std::vector<Plugin> add_plugins(const std::vector<std::string>& libraries) {
+  std::vector<Plugin> out;
+  for (const std::string& library : libraries) out.push_back(add_plugin(library, "", "--plugin"));
+  return out;
+}
+
+Foreign library(const Algorithm& row, const Knobs& knobs, const Budget& budget) {
+  const auto known =
+      std::ranges::find_if(loaded(), [&](const auto& one) { return one.second.sha256 == row.library.sha256; });
+  Foreign out;
+  out.row = row;
+  out.transport = "library";
+  out.budget = budget;
+  out.files = {{known->second.written, known->second.sha256}};
+  out.start = [row, knobs, budget](const Bodies& bodies, const std::string&, const std::string&) {
+    const auto make = [&] {
+      return Hosted{{.name = row.name,
+                     .version = row.library.version,
+                     .precision = row.precision,
+                     .promise = row.promise,
+                     .scope = row.scope,
+                     .operations_unit = row.operations_unit,
+                     .remembers = true},  // a method without a memory is asked to keep and to lose it all the same
+                    row.make(bodies, knobs)};
+    };
+    return isolated(make, bodies.size(), budget);
+  };
+  return out;
 }
 
 }  // namespace pipeline

@@ -2,7 +2,9 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "pipeline/foreign/foreign.hpp"
 #include "pipeline/system/child.hpp"
 
 namespace pipeline {
@@ -23,5 +25,11 @@ constexpr ChildLimits kPluginLimits{.processor_seconds = 10, .wall_seconds = 10}
 /// that clashes with another; `place` begins the line.
 Plugin add_plugin(const std::string& written, const std::filesystem::path& folder, const std::string& place,
                   const ChildLimits& limits = kPluginLimits);
+
+/// Those of the command line (--plugin), relative to the current folder.
+std::vector<Plugin> add_plugins(const std::vector<std::string>& libraries);
+
+/// How the methods of a row of a library are asked: each in a child process of its own.
+Foreign library(const algorithms::Algorithm& row, const algorithms::Knobs& knobs, const Budget& budget);
 
 }  // namespace pipeline

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pipeline/result/columns.hpp"
+#include "pipeline/stages/interval.hpp"
 
 namespace pipeline {
 namespace {
@@ -33,22 +34,38 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   const double roots = std::sqrt(tp + fp) * std::sqrt(tp + fn) * std::sqrt(tn + fp) * std::sqrt(tn + fn);
   row.matthews = std::clamp(ratio(tp * tn - fp * fn, roots), -1.0, 1.0);  // roots round; NaN stays
 
+  if (failed(answers)) {  // known of some steps only: no figure of the run
+    row.error = row.precision = row.recall = row.matthews = std::numeric_limits<double>::quiet_NaN();
+    row.time_mean_ns = row.time_median_ns = row.time_p95_ns = row.error;
+    return row;
+  }
   std::vector<std::int64_t> times = answers.time_ns;
   std::sort(times.begin(), times.end());
   const std::size_t n = times.size();
-  row.time_mean_ns = double(total(times)) / double(n);
-  row.time_median_ns = median(times);
-  row.time_p95_ns = double(times[(95 * n + 99) / 100 - 1]);
+  const bool timed = times.back() > 0;
+  const auto known = [&](double value) { return timed ? value : std::numeric_limits<double>::quiet_NaN(); };
+  const Interval mean = mean_interval(answers.time_ns);
+  row.time_mean_ns = known(mean.value);
+  row.time_mean_low_ns = known(mean.low);
+  row.time_mean_high_ns = known(mean.high);
+  row.time_median_ns = known(median(times));
+  row.time_p95_ns = known(double(times[(95 * n + 99) / 100 - 1]));
+  const std::int64_t processor = total(answers.processor_ns);
+  row.processor_mean_ns = processor > 0 ? double(processor) / double(n) : std::numeric_limits<double>::quiet_NaN();
+  row.setup_ns = answers.costs.setup_ns;
+  row.memory_bytes = answers.costs.memory_bytes;
+  row.memory_greatest_bytes = answers.costs.memory_greatest_bytes;
 
   if (answers.promise == "conservative") row.promise_kept = row.false_negative == total(answers.rounding_miss);
   if (answers.promise == "exact") row.promise_kept = row.false_negative == 0 && row.false_positive == 0;
   return row;
 }
 
-std::uint64_t judged_pairs(const Result& result) {
+std::uint64_t judged_pairs(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
+                           const Truth& truth) {
   std::uint64_t pairs = 0;
-  for (const auto& step : result.motion) pairs += geometry::pair_count(geometry::pair_runs(result.bodies, step));
-  return result.truth.containment == Containment::record ? pairs - result.truth.contained.pair.size() : pairs;
+  for (const auto& step : poses) pairs += geometry::pair_count(geometry::pair_runs(bodies, step));
+  return truth.containment == Containment::record ? pairs - truth.contained.pair.size() : pairs;
 }
 
 }  // namespace pipeline

@@ -1,6 +1,7 @@
 // The score stage: from answers per step to one row of the summary.
 #pragma once
 #include <cstdint>
+#include <vector>
 
 #include "pipeline/result/result.hpp"
 
@@ -16,6 +17,7 @@ Summary summarise(const Answers& answers, std::uint64_t pairs);
 
 /// Born pairs that count, over all steps, less those that are contained and only recorded: these are neither true nor
 /// false, whether reported or not.
-std::uint64_t judged_pairs(const Result& result);
+std::uint64_t judged_pairs(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
+                           const Truth& truth);
 
 }  // namespace pipeline

@@ -38,6 +38,7 @@ std::string aligned(const std::vector<std::vector<std::string>>& rows) {
 }
 
 std::string time_text(double ns) {
+  if (std::isnan(ns)) return "-";
   if (ns < 1e3) return print("%.0f ns", ns);
   if (ns < 1e6) return print("%.2f us", ns * 1e-3);
   if (ns < 1e9) return print("%.3f ms", ns * 1e-6);

@@ -1,13 +1,9 @@
 """Intervals of means and ratios: that they hold what they should, and that both programs compute the same."""
 
-import json
-import subprocess
-
 import interval_trials
 import numpy as np
 import pytest
 
-from analysis.load import load
 from analysis.tables import intervals
 from analysis.tables.intervals import Interval
 

@@ -117,7 +117,7 @@ def test_figures_are_named_and_tables_have_heads(made):
 def test_the_summary_is_that_of_the_file(made, result_file):
     with browsing(made) as opened:
         rows = opened.evaluate("[...document.querySelector('#summary').parentElement.querySelectorAll('table tr')]"
-                               ".map(r => [...r.cells].map(c => c.innerText))")  # fmt: skip
+                               ".map(r => [...r.cells].map(c => c.innerText))")
     heads, *rows = rows
     summary = load(result_file).summary
     assert [row[0] for row in rows] == list(summary.index)
@@ -165,8 +165,8 @@ def test_texts_of_a_file_are_shown_and_not_run(copy, tmp_path):
 def test_numbers_are_shown_with_four_digits():
     values = (True, 7, 12345, 0.123456, float("nan"), float("inf"), None, 123456.7, "a<b")
     assert [shown(value) for value in values] == [
-        "yes", "7", "12\u202f345", "0.1235", "–", "∞", "–", "123\u202f457", "a&lt;b",
-    ]  # fmt: skip
+        "yes", "7", "12\u202f345", "0.1235", "–", "∞", "–", "123\u202f457", "a<b",
+    ]
 
 
 def test_figures_of_one_page_do_not_share_identifiers():
@@ -252,7 +252,7 @@ def closest(point, line):
     "seed, count, spread, long",
     [(0, 2, (90, 30), 110), (1, 12, (90, 30), 110), (2, 24, (90, 30), 110), (3, 24, (30, 15), 150),
      (4, 60, (90, 40), 110), (5, 60, (60, 60), 200)],
-)  # fmt: skip
+)
 def test_labels_are_tied_to_their_marks_and_cover_nothing(seed, count, spread, long):
     random = np.random.default_rng(seed)
     one = random.normal((200, 150), spread, (count // 2, 2))  # and the same marks of a second file, a bit slower
@@ -287,7 +287,7 @@ def test_names_of_two_files_side_by_side_are_tied_to_their_own_marks():
         {"label": f"{name} (k{file})", "algorithm": name, "time_mean_ns": 1e5 * (1 + 0.07 * i) * (1 + 0.03 * n),
          "error": 0.9 + 0.004 * i, "front": i == 0, "scope": "pair", "exact": False, "library": False, "knobs": {}}
         for i, name in enumerate(names) for n, file in enumerate("AB")
-    ]  # fmt: skip
+    ]
     points = pd.DataFrame(rows)
     fig, _, nameless = plots_error._draw(points, "time_mean_ns")
     main = fig.axes[0]
@@ -334,7 +334,7 @@ def points(rows):
     ([("a", 0.0, 10.0), ("b", 0.0, 5.0)], "No algorithm errs on this scene; b is the fastest, 5 ns"),
     ([("a", 0.5, 1e3), ("b", 0.2, 3e3)], "b errs least, 0.2, at 3 µs; nothing faster errs less than 0.5 (a, 1 µs)"),
     ([], "No algorithm has a cost that could be drawn"),
-])  # fmt: skip
+])
 def test_the_title_says_what_the_figure_shows(rows, words):
     assert plots_error.finding(points(rows), "time_mean_ns") == words
 
@@ -460,7 +460,7 @@ def test_the_lead_counts_a_test_once_in_however_many_scenes(result_file, small_f
 def test_zero_hits_are_said(pipeline, tmp_path):
     config = tmp_path / "far.toml"
     (tmp_path / "poses.csv").write_text("step,body,px,py,pz,qw,qx,qy,qz\n" + "".join(
-        f"{step},{body},{x},0,0,1,0,0,0\n" for step in range(3) for body, x in (("a", 0), ("b", 50))))  # fmt: skip
+        f"{step},{body},{x},0,0,1,0,0,0\n" for step in range(3) for body, x in (("a", 0), ("b", 50))))
     balls = "".join(f'[[scene.body]]\nname = "{name}"\nshape = "sphere"\nradius = 0.5\n' for name in "ab")
     config.write_text(f'[scene]\nkind = "replay"\nposes = "poses.csv"\n{balls}')
     path = tmp_path / "far.h5"
@@ -493,7 +493,7 @@ def test_a_group_that_is_missing_is_no_obstacle(copy, tmp_path, group):
         if group in file:
             del file[group]
     said = {"results": "lacks /results", "motion": "lacks /motion", "truth": "has no truth",
-            "summary": "the summary of the algorithms is missing", "run": "lacks /run"}  # fmt: skip
+            "summary": "the summary of the algorithms is missing", "run": "lacks /run"}
     assert main(["report", str(copy), "-o", str(tmp_path / "odd.html")]) == 0
     assert said.get(group, "") in (tmp_path / "odd.html").read_text(encoding="utf-8")
 
@@ -508,7 +508,7 @@ def test_what_makes_times_or_answers_doubtful_is_said(copy, tmp_path, brief):
         label = file["algorithm"].asstr()[0]
         file[f"answers/{label}"].attrs["processor"] = "Xeon, frequency governor powersave"
     odd(copy, tmp_path, "a debug build timed this", "the processor changed its frequency",
-        f"broke their promise: {label}", "differ from commit 0123456")  # fmt: skip
+        f"broke their promise: {label}", "differ from commit 0123456")
 
 
 # ---- the output
@@ -577,13 +577,14 @@ def test_the_title_says_as_fast_as_where_no_difference_can_be_told():
     drawn = timed_points(("a", 0.5, 1000, 0.1), ("b", 0.4, 1001, 0.1), ("c", 0.2, 3000, 0.1), ("d", 0.9, 1002, 0.1))
     title = plots_error.finding(drawn, "time_mean_ns")
     assert title == ("c errs least, 0.2, at 3 µs; nothing faster errs less than 0.4 (b, 1 µs); the fastest, a at 1 µs,"
-                     " errs 0.5; b and d are as fast as a")  # fmt: skip
+                     " errs 0.5; b and d are as fast as a")
 
 
 def test_what_is_as_fast_is_not_called_faster():
     drawn = timed_points(("a", 0.5, 1000, 0.1), ("b", 0.2, 1001, 0.1))
     title = plots_error.finding(drawn, "time_mean_ns")
-    assert title == "b errs least, 0.2, at 1 µs and is as fast as a, 1 µs, which errs 0.5: no other is worth its cost here"
+    assert title == ("b errs least, 0.2, at 1 µs and is as fast as a, 1 µs, which errs 0.5: "
+                     "no other is worth its cost here")
     drawn = timed_points(("a", 0.5, 1000, 0.01), ("b", 0.2, 1020, 0.01))
     assert "nothing faster errs less than 0.5 (a, 1 µs)" in plots_error.finding(drawn, "time_mean_ns")
     drawn["floor"] = [Interval(1.0, 0.97, 1.01)] * 2
@@ -593,3 +594,35 @@ def test_what_is_as_fast_is_not_called_faster():
 def test_times_of_other_machines_are_never_as_fast():
     drawn = timed_points(("a", 0.5, 1000, 0.1), ("b", 0.2, 1001, 0.1)).assign(machine=["m", "n"])
     assert not pareto.alike(drawn.iloc[0], drawn.iloc[1])
+
+
+def test_set_up_and_memory_have_a_figure_beside_and_labels_of_which_nothing_is_known_are_said(result_file, copy):
+    scene, = pareto.scenes([load(result_file)])
+    drawn = plots_error.costs(scene, scene.points, "k")
+    assert list(drawn.table.label) == list(scene.points.sort_values(["time_mean_ns", "error"]).label)
+    np.testing.assert_allclose(drawn.table["set-up (µs)"] * 1e3, scene.points.set_index("label").setup_ns[drawn.table.label])
+    greatest = scene.points.loc[scene.points.memory_greatest_bytes.idxmax(), "label"]
+    assert f"{greatest} takes most memory" in drawn.title or f"{greatest} takes longest to set up" in drawn.title
+    assert all(label in drawn.svg for label in scene.points.label)
+    unknown = scene.points.assign(memory_bytes=scene.points.memory_bytes.mask(scene.points.label == "obb_sat"))
+    assert "Nothing is known of the memory of obb_sat." in plots_error.costs(scene, unknown, "k").caption
+    assert plots_error.costs(scene, scene.points.drop(columns="setup_ns"), "k") is None
+
+
+def test_ticks_of_memory_are_round_in_its_own_units():
+    assert [plots_error.memory(tick) for tick in plots_error._binary((5e3, 2e7))] == ["10 KiB", "100 KiB", "1 MiB", "10 MiB"]
+    assert len(plots_error._binary((15, 20))) == 1
+
+
+def test_intervals_are_bars_that_the_axis_holds(result_file, monkeypatch):
+    scene, = pareto.scenes([load(result_file)])
+    points = scene.points.assign(time_mean_low_ns=scene.points.time_mean_ns / 3, time_mean_high_ns=scene.points.time_mean_ns * 3)
+    points["front"] = True
+    fig, titles, _ = plots_error._draw(points.reset_index(drop=True), "time_mean_ns")
+    low, high = fig.axes[0].get_xlim()
+    assert low < points.time_mean_low_ns.min() and points.time_mean_high_ns.max() < high
+    bars = [line.get_xdata() for axes in fig.axes[:2] for line in axes.lines if len(line.get_xdata()) == 2]
+    for _, point in points.iterrows():
+        assert any(np.allclose(bar, [point.time_mean_low_ns, point.time_mean_high_ns]) for bar in bars), point.label
+        assert any(" to " in text for text in titles.values())
+    plt.close(fig)

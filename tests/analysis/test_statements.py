@@ -339,7 +339,8 @@ def test_a_ratio_near_a_limit_does_not_decide():
 
 
 def test_two_scenes_are_as_fast_where_their_intervals_say_so():
-    assert verdict(4, box=noisy(NEAR, 0.1), falling=noisy(NEAR, 0.1, seed=8)).verdict.startswith("not testable: as fast in")
+    assert verdict(4, box=noisy(NEAR, 0.1),
+                   falling=noisy(NEAR, 0.1, seed=8)).verdict.startswith("not testable: as fast in")
     slower = {key: 1.2 * ns for key, ns in NEAR.items()}
     assert verdict(4, box=noisy(NEAR, 0.1), falling=noisy(slower, 0.1, seed=8)).verdict == "confirmed"
 
@@ -369,7 +370,7 @@ def test_the_careful_form_is_judged_beside_the_published_one():
     both = Playground(
         pd.concat([scene.passes, careful.passes]), scene.targets, scene.samples,
         pd.concat([scene.reports, careful.reports], axis=1), pd.concat([scene.false_negative, careful.false_negative]),
-    )  # fmt: skip
+    )
     found = {each.variant: each.verdict for each in verdicts({"playground": both}) if each.number == 19}
     assert found == {"": "confirmed", "careful": "refuted"}
 

@@ -12,7 +12,7 @@ from conftest import ROOT
 
 from analysis.__main__ import main
 from analysis.figures import sweep as figures
-from analysis.figures.figure import Figure, Points, Table
+from analysis.figures.figure import Figure, Table
 from analysis.load import load, load_sweep, sweep_frame
 from analysis.tables import scenes, sweeps
 from analysis.tables.statements import verdicts

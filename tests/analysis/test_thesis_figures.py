@@ -54,7 +54,7 @@ def made(time, hits=None, truth=0, born=None, physics=None, passes=None, kind="b
         bodies=pd.DataFrame({"first_step": born if born is not None else [0, 0, 0]}),
         physics=physics,
         passes=passes,
-    )  # fmt: skip
+    )
 
 
 def ramp(*values):
@@ -177,7 +177,7 @@ def test_heads_of_panels_hold_whole_names_in_two_lines():
     run = made({label: [1, 1] for label in labels})
     heads = drawing.heads(run, labels)
     assert list(heads.values())[:3] == ["G obb_sat", "bounding_sphere+\nfacet_rotations",
-                                        "bounding_sphere+\nfacet_triangles"]  # fmt: skip
+                                        "bounding_sphere+\nfacet_triangles"]
     assert all(len(line) <= 24 for head in heads.values() for line in head.split("\n"))
 
 
@@ -417,7 +417,8 @@ def test_map_names_the_earliest_the_blindest_and_the_one_with_most_false_positiv
     figure = playground_map.contact_map(playground(PASSES), "playground", "k")
     assert figure.title == (
         "bounding_sphere is earliest (median +2.50 m); facet_triangles misses most (1 of 2 passes that meet); obb_sat "
-        "has the most false positives (1 of 1 passes that do not meet); neither miss nor false positive: bounding_sphere"
+        "has the most false positives (1 of 1 passes that do not meet); neither miss nor false positive: "
+        "bounding_sphere"
     )
     written = words(figure)
     for text in ("+0.10", "−0.50", "+2.5", "m1", "f1", "–"):

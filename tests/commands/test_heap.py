@@ -34,13 +34,13 @@ def heap(tmp_path_factory):
 
 def test_a_heap_verifies_and_every_kind_meets_others(heap):
     run = pipeline("verify", heap, "--all")
-    assert run.returncode == DONE and "no difference" in run.stdout, run.stdout + run.stderr
+    assert run.returncode == DONE and "agrees about all of them" in run.stdout, run.stdout + run.stderr
     with h5py.File(heap) as file:
         assert file["physics"].attrs["status"] == "complete"
         kinds = file["bodies/mesh"].asstr()[()]
-        last = file["truth/pair"][()]
-        assert {kinds[b] for b in last.ravel()} == set(kinds)
-        assert set(kinds) == {"plate", "box", "capsule", "torus", "torus_knot", "notched_l", "sphere"}
+        met = {kinds[b] for b in file["truth/pair"][()].ravel()}
+        assert {kind for kind in kinds if not kind.startswith("kerb_")} <= met
+        assert {"plate", "box", "capsule", "torus", "torus_knot", "notched_l", "sphere"} < set(kinds)
 
 
 def test_nothing_sinks_through_the_plate_or_flies_away(heap):
@@ -56,7 +56,7 @@ def test_nothing_sinks_through_the_plate_or_flies_away(heap):
 def test_the_file_tells_its_spheres(heap):
     with h5py.File(heap) as file:
         for name, mesh in file["meshes"].items():
-            many = name not in ("plate", "sphere")
+            many = name not in ("plate", "sphere") and not name.startswith("kerb_")
             assert ("contact_spheres" in mesh) == many == ("contact_deviation" in mesh.attrs), name
             if not many:
                 continue
@@ -66,7 +66,8 @@ def test_the_file_tells_its_spheres(heap):
             centre, radius = spheres[:, :3], spheres[:, 3:]
             assert (centre - radius >= low - 1e-12).all() and (centre + radius <= high + 1e-12).all()
             apart = np.linalg.norm(vertices[:, None] - centre[None], axis=2) - radius.T
-            assert 0 <= apart.min() and apart.min(axis=1).max() <= mesh.attrs["contact_deviation"] < 0.25 * max(high - low)
+            assert 0 <= apart.min()
+            assert apart.min(axis=1).max() <= mesh.attrs["contact_deviation"] < 0.25 * max(high - low)
 
 
 def test_detect_keeps_the_spheres(heap, tmp_path):
@@ -102,7 +103,7 @@ def test_the_seed_turns_them(tmp_path):
         assert pipeline("run", HEAP, "-o", path, *SMALL, "--set", "steps=1", "--set", f"seed={seed}").returncode == DONE
         with h5py.File(path) as file:
             at.append((file["motion/position"][()], file["motion/orientation"][()]))
-    assert (at[0][0] == at[1][0]).all() and (at[0][1][:, 1:] != at[1][1][:, 1:]).any(axis=2).all()
+    assert (at[0][0] == at[1][0]).all() and (at[0][1][:, 5:] != at[1][1][:, 5:]).any(axis=2).all()
 
 
 def test_a_bowl_keeps_what_falls_into_it(tmp_path):
@@ -125,7 +126,8 @@ def scene(folder, mesh, more=""):
 
 
 @pytest.mark.parametrize("faces,what", [
-    (FACES[:-len("f 2 4 8 6\n")], r"the surface is open, the edge from \(1, 0, 0\) to \(1, 1, 0\) belongs to 1 facet, .*; "
+    (FACES[:-len("f 2 4 8 6\n")],
+     r"the surface is open, the edge from \(1, 1, 0\) to \(1, 0, 0\) belongs to 1 facet, .*; "
                                   "close it, or raise truth.closed_within"),
     (FACES.replace("f 2 4 8 6", "f 6 8 4 2"), "its facets face both ways; turn those that face inward"),
     ("f 1 2 4 3\nf 7 8 6 5\nf 5 6 2 1\nf 4 8 7 3\nf 3 7 5 1\nf 6 8 4 2\n", "its facets face inward; turn them all"),
@@ -137,7 +139,8 @@ def test_what_is_no_solid_is_one_line(tmp_path, faces, what):
     for command in (["check", config], ["run", config, "-o", tmp_path / "x.h5"]):
         run = pipeline(*command)
         assert run.returncode == INPUT
-        assert re.fullmatch(rf".*c\.toml:7:\d+: 'scene\.set\.0\.shapes\.0\.mesh' must be a solid body, not \"m\.obj\": {what}",
+        assert re.fullmatch(r".*c\.toml:6:\d+: 'scene\.set\.0\.shapes\.0\.mesh' must be a solid body, "
+                            rf"not \"m\.obj\": {what}",
                             one_line(run)), run.stderr
     assert not (tmp_path / "x.h5").exists()
 
@@ -146,8 +149,8 @@ def test_spheres_that_find_no_place_are_one_line(tmp_path):
     (tmp_path / "m.obj").write_text(re.sub(r"v (\S+) (\S+) 1\n", r"v \1 \2 0.001\n", CUBE) + FACES)
     run = pipeline("check", scene(tmp_path, "m.obj"), "--set", "scene.contact_spheres=4")
     assert run.returncode == INPUT
-    assert re.search(r"not \"m\.obj\": \d+ contact spheres inside it leave its surface up to \S+ m away, more than a quarter "
-                     r"of its size; raise contact_spheres, or make it thicker$", one_line(run))
+    assert re.search(r"not \"m\.obj\": \d+ contact spheres inside it leave its surface up to \S+ m away, "
+                     r"more than a quarter of its size; raise contact_spheres, or make it thicker$", one_line(run))
 
 
 def test_a_mesh_that_is_not_there_is_one_line(tmp_path):
@@ -156,13 +159,14 @@ def test_a_mesh_that_is_not_there_is_one_line(tmp_path):
 
 
 @pytest.mark.parametrize("setting,what", [
-    ("scene.contact_spheres=0", "'scene.contact_spheres' must be an integer from 1 to 10000, not 0"),
+    ("scene.contact_spheres=0", "'scene.contact_spheres' must be an integer between 1 and 10000, not 0"),
     ("scene.set.0.shapes=[]", "'scene.set.0.shapes' must hold at least one shape, not []"),
     ("scene.set.0.shapes=[{shape='cone'}]", "'scene.set.0.shapes.0.shape' must be "),
     ("scene.set.0.shapes=[{}]", "missing key 'scene.set.0.shapes.0.shape'"),
     ("scene.set.0.shapes=[{shape='box',size=[1,1,1],densty=3}]", "did you mean 'density'?"),
     ("scene.obstacle=[{shape='box',size=[1,1,1]}]", "missing key 'scene.obstacle.0.name'"),
-    ("scene.obstacle=[{name='plate',shape='box',size=[1,1,1]}]", "'scene.obstacle.0.name' must be the only one of its name"),
+    ("scene.obstacle=[{name='plate',shape='box',size=[1,1,1]}]", "'scene.obstacle.0.name' must be the only one of its "
+                                                                 "name"),
 ])
 def test_wrong_keys_are_one_line(setting, what):
     run = pipeline("check", HEAP, "--set", setting)
@@ -176,7 +180,8 @@ def test_too_many_contact_spheres_are_refused_with_the_estimate(tmp_path):
         before = time.monotonic()
         run = pipeline(*command, *more)
         assert run.returncode == INPUT
-        assert re.search(r"the run needs about \d+\.\d [GT]iB of memory, this machine has .*contact_spheres make it smaller",
+        assert re.search(r"the run needs about \d+\.\d [GT]iB of memory, this machine has .*"
+                         r"contact_spheres make it smaller",
                          one_line(run)), run.stderr
         assert time.monotonic() - before < 20, "before spheres are placed"
     assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,4 @@
-"""Methods in shared libraries: their header, examples and table, what they answer, and every way in which they go wrong."""
+"""Methods in shared libraries: header, examples and table, their answers, and every way in which they go wrong."""
 
 import json
 import os
@@ -15,19 +15,14 @@ README = (ROOT / "algorithms" / "README.md").read_text(encoding="utf-8")
 EXAMPLES = {"c": "bounding_spheres_c", "cpp": "bounding_spheres_cpp", "rs": "bounding_spheres_rust"}
 COMPILERS = {"c": "cc", "cpp": "c++", "rs": "rustc"}
 
-# Spheres that fall on a plate and on each other; the last is born at step 5.
+# A row of cubes that slide through each other; the last is born at step 5.
 CONFIG = """
 title = "plug-ins"
-steps = 8
-rate = 60
 {plugins}
 [scene]
-kind = "box"
-segments = 4
-[scene.births]
-count = 4
-from = 0
-every = 2
+kind = "replay"
+poses = "poses.csv"
+{bodies}
 [timing]
 repeats = 2
 [[algorithm]]
@@ -39,8 +34,8 @@ name = "bounding_sphere"
 def compiled(source, target, *flags):
     """The shared library `target`."""
     standard = ["-std=c99"] if source.suffix == ".c" else ["-std=c++17"]
-    command = [COMPILERS[source.suffix[1:]], *standard, "-O1", "-fPIC", "-shared", "-I", HEADER, *flags, source, "-o", target]
-    subprocess.run(command, check=True)
+    command = [COMPILERS[source.suffix[1:]], *standard, "-O1", "-fPIC", "-shared", "-I", HEADER, *flags]
+    subprocess.run([*command, source, "-o", target], check=True)
     return target
 
 
@@ -48,17 +43,21 @@ def bad_table(folder, *flags):
     return compiled(ROOT / "tests/support/bad_table.c", folder / "libbad.so", *flags)
 
 
-def configured(folder, plugins=(), algorithms=(), name="config.toml"):
+def configured(folder, plugins=(), algorithms=(), name="config.toml", steps=8):
     path = folder / name
     tables = "\n".join(f'[[plugin]]\npath = "{plugin}"' for plugin in plugins)
     rows = "\n".join("[[algorithm]]\n" + text for text in algorithms)
-    path.write_text(CONFIG.format(plugins=tables, algorithms=rows))
+    bodies = "\n".join(f'[[scene.body]]\nname = "cube_{body}"\nshape = "box"\nsize = [1, 1, 1]' for body in range(5))
+    path.write_text(CONFIG.format(plugins=tables, algorithms=rows, bodies=bodies))
+    poses = [(step, body) for step in range(steps) for body in range(5) if body < 4 or step >= 5]
+    lines = [f"{step},cube_{body},{1.2 * body - 0.01 * step * body},0,0,1,0,0,0" for step, body in poses]
+    (folder / "poses.csv").write_text("\n".join(["step,body,px,py,pz,qw,qx,qy,qz", *lines]) + "\n")
     return path
 
 
 @pytest.fixture(scope="session")
 def spheres(tmp_path_factory):
-    return compiled(ROOT / "algorithms/plugin/bounding_spheres.c", tmp_path_factory.mktemp("c") / "libspheres.so", "-lm")
+    return compiled(HEADER / "plugin/bounding_spheres.c", tmp_path_factory.mktemp("c") / "libspheres.so", "-lm")
 
 
 @pytest.fixture(scope="session")
@@ -122,7 +121,8 @@ def answered(spheres, tmp_path_factory):
     """A run with the library named in its configuration, by a path relative to it."""
     folder = tmp_path_factory.mktemp("answered")
     shutil.copy(spheres, folder / "libspheres.so")
-    config = configured(folder, ["libspheres.so"], ['name = "bounding_spheres_c"', 'name = "bounding_spheres_c"\nlabel = "twice"\nscale = 2'])
+    once = 'name = "bounding_spheres_c"'
+    config = configured(folder, ["libspheres.so"], [once, once + '\nlabel = "twice"\nscale = 2'])
     run = pipeline("run", config, "-o", folder / "out.h5", "--quiet", cwd=folder.parent)
     assert run.returncode == DONE, run.stderr
     return folder / "out.h5"
@@ -131,7 +131,8 @@ def answered(spheres, tmp_path_factory):
 def test_answers_are_those_of_the_built_in_method(answered):
     with h5py.File(answered) as file:
         own, mine, twice = (file["answers"][label] for label in ["bounding_sphere", "bounding_spheres_c", "twice"])
-        assert mine.attrs["digest"] == own.attrs["digest"]
+        for name in ["pair", "pair_offset"]:
+            assert (mine[name][...] == own[name][...]).all()
         assert len(twice["pair"]) > len(mine["pair"]) > 0
         assert mine.attrs["status"] == "complete" and mine.attrs["transport"] == "library"
         assert mine.attrs["precision"] == "double" and mine.attrs["promise"] == "conservative"
@@ -144,7 +145,7 @@ def test_answers_are_those_of_the_built_in_method(answered):
 def test_the_hash_of_the_library_stands_in_the_file(answered, spheres):
     digest = subprocess.run(["sha256sum", spheres], capture_output=True, text=True, check=True).stdout.split()[0]
     with h5py.File(answered) as file:
-        assert json.loads(file.attrs["inputs_sha256"]) == {"libspheres.so": digest}
+        assert json.loads(file.attrs["inputs_sha256"])["libspheres.so"] == digest
         assert json.loads(file["answers/bounding_spheres_c"].attrs["files_sha256"]) == {"libspheres.so": digest}
 
 
@@ -152,24 +153,25 @@ def test_detect_adds_a_method_of_a_library(spheres, tmp_path):
     config = configured(tmp_path)
     file = tmp_path / "out.h5"
     assert pipeline("run", config, "-o", file, "--quiet").returncode == DONE
-    before = pipeline("show", file, "--json").stdout
+    before = json.loads(pipeline("show", file, "--json").stdout)
     run = pipeline("detect", file, "--plugin", spheres, "--algorithm", "bounding_spheres_c:scale=1.5@wide", "--quiet")
     assert run.returncode == DONE, run.stderr
     with h5py.File(file) as result:
         assert json.loads(result["answers/wide"].attrs["knobs"]) == {"scale": 1.5}
         assert list(json.loads(result["answers/wide"].attrs["files_sha256"])) == [str(spheres)]
         assert str(spheres) in json.loads(result.attrs["inputs_sha256"])
-    # Without the library the file still shows, and its label is not asked again.
-    assert pipeline("show", file).returncode == DONE
-    assert json.loads(before)["digests"]["/truth"] == json.loads(pipeline("show", file, "--json").stdout)["digests"]["/truth"]
+    after = json.loads(pipeline("show", file, "--json").stdout)  # without the library
+    assert before["digests"]["/truth"] == after["digests"]["/truth"]
 
 
 def test_a_file_starts_no_library_by_itself(answered, spheres, tmp_path):
     file = tmp_path / "copy.h5"
     shutil.copy(answered, file)
     run = pipeline("detect", file, "--force", "--quiet")
-    assert run.returncode == INPUT
-    assert re.search(r"'bounding_spheres_c' is of the library 'libspheres.so'.*; give it with --plugin", one_line(run))
+    assert run.returncode == DONE
+    for label, line in zip(["bounding_spheres_c", "twice"], run.stderr.strip().splitlines(), strict=True):
+        assert f"algorithm '{label}' is left out: it needs its library" in line
+        assert "give it with --plugin (libspheres.so)" in line
     again = pipeline("detect", file, "--force", "--quiet", "--plugin", spheres)
     assert again.returncode == DONE, again.stderr
     with h5py.File(answered) as one, h5py.File(file) as other:
@@ -191,18 +193,17 @@ def test_plugin_options_serve_a_configuration(spheres, tmp_path):
     run = pipeline("run", config, "--plugin", spheres, "-o", file, "--quiet")
     assert run.returncode == DONE, run.stderr
     with h5py.File(file) as result:
-        assert list(json.loads(result.attrs["inputs_sha256"])) == [str(spheres)]
+        assert set(json.loads(result.attrs["inputs_sha256"])) == {str(spheres), "poses.csv"}
 
 
 def test_an_unfinished_run_is_not_resumed_with_another_library(spheres, tmp_path):
     library = tmp_path / "libspheres.so"
     shutil.copy(spheres, library)
-    config = configured(tmp_path, ["libspheres.so"], ['name = "bounding_spheres_c"'])
-    config.write_text(config.read_text().replace("steps = 8", "steps = 3000"))
+    config = configured(tmp_path, ["libspheres.so"], ['name = "bounding_spheres_c"'], steps=5000)
     file = tmp_path / "out.h5"
     command = [os.environ["PIPELINE"], "run", config, "-o", file, "--quiet"]
     run = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
-    while run.poll() is None and not list(tmp_path.glob("out.h5.part/motion*")):
+    while run.poll() is None and not list(tmp_path.glob("out.h5.part/truth*")):
         pass
     run.kill()
     run.wait()
@@ -227,7 +228,8 @@ def test_the_methods_of_the_readme_work_as_written(tmp_path):
     for name in ["build", "ask"]:
         block = re.search(rf"<!-- {name} -->\n((?:       .*\n)+)", README)[1]
         lines = [line.strip() for line in block.splitlines() if "scripts/report" not in line]
-        done = subprocess.run(["sh", "-ec", "\n".join(lines)], cwd=tmp_path, env=surroundings, capture_output=True, text=True)
+        command = ["sh", "-ec", "\n".join(lines)]
+        done = subprocess.run(command, cwd=tmp_path, env=surroundings, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "results/padani.h5") as result:
         assert json.loads(result["answers/near"].attrs["knobs"]) == {"reach": 1.9}
@@ -246,7 +248,10 @@ BAD_TABLES = {
     "an own name": (['-DNAME="aabb"'], "has a row 'aabb', a name that another method has; rename it"),
     "the name of programs": (['-DNAME="program"'], "has a row 'program', a name that another method has; rename it"),
     "twice a name": (['-DSECOND_NAME="plain"'], "two rows are named 'plain'; rename one"),
-    "a blank in a name": (['-DNAME="a b"'], "row 1: name must be 1 to 64 characters of A-Z a-z 0-9 _ . [+] -, not 'a b'"),
+    "a blank in a name": (
+        ['-DNAME="a b"'],
+        "row 1: name must be 1 to 64 characters of A-Z a-z 0-9 _ . [+] -, not 'a b'; rename it",
+    ),
     "a NULL name": (["-DNAME=NULL"], "row 1: name is NULL; it must be a text"),
     "a promise beyond all": (["-DPROMISE=3"], "row 'plain': promise must be 0 to 2, not 3"),
     "no answer": (["-DANSWER=NULL"], "row 'plain': answer is NULL; it must be a function"),
@@ -271,13 +276,16 @@ BAD_TABLES = {
         "knob 'far': choices is NULL; it must list what is allowed, and end with NULL",
     ),
     "a constructor that aborts": (["-DCONSTRUCTOR=abort()"], "its table cannot be read: aborted"),
-    "a constructor that crashes": (["-DCONSTRUCTOR=*(volatile int*)0 = 1"], "its table cannot be read: crashed by signal 11"),
+    "a constructor that crashes": (["-DCONSTRUCTOR=raise(SIGSEGV)"], "its table cannot be read: crashed by signal 11"),
     "a constructor that ends the process": (["-DCONSTRUCTOR=_exit(0)"], "its table cannot be read"),
     "a constructor that writes to every file": (
         ['-DCONSTRUCTOR=for (int file = 1; file < 9; ++file) if (write(file, "noise", 5)) continue'],
         "its table cannot be read; it must leave files alone that it did not open",
     ),
-    "an unknown function": (["-DCONSTRUCTOR=extern void nowhere(void); nowhere()"], "cannot be loaded .*nowhere.*; build it"),
+    "an unknown function": (
+        ["-DCONSTRUCTOR=extern void nowhere(void); nowhere()"],
+        "cannot be loaded .*nowhere.*; build it",
+    ),
 }
 
 
@@ -310,12 +318,15 @@ def thirty_two_bits(path):
 BAD_FILES = {
     "a text": (lambda path: path.write_text("no library\n" * 9), "is no shared library; build one"),
     "nothing": (lambda path: path.write_bytes(b""), "is no shared library; build one"),
-    "half of one": (lambda path: path.write_bytes(path.read_bytes()[:3000]), "cannot be loaded|its table cannot be read"),
+    "half of one": (
+        lambda path: path.write_bytes(path.read_bytes()[:3000]),
+        "cannot be loaded|its table cannot be read",
+    ),
     "for another processor": (other_processor, "is for aarch64, must be for x86-64; build it for this processor"),
     "for 32 bits": (thirty_two_bits, "is for i386, must be for x86-64; build it for this processor"),
     "a program": (lambda path: shutil.copy("/bin/true", path), "cannot be loaded|is no shared library"),
     "an object file": (
-        lambda path: subprocess.run(["cc", "-c", "-I", HEADER, ROOT / "tests/support/bad_table.c", "-o", path], check=True),
+        lambda path: compiled(ROOT / "tests/support/bad_table.c", path, "-c", "-no-pie"),
         "is no shared library; link it with -shared",
     ),
     "missing": (lambda path: path.unlink(), "cannot be read .*; name a shared library"),
@@ -330,11 +341,12 @@ def test_what_is_no_library_is_one_line(case, tmp_path, spheres):
     make, message = BAD_FILES[case]
     make(path)
     config = configured(tmp_path, ["libmine.so"])
-    for command in [("list", "algorithms", "--plugin", path), ("check", config), ("run", config, "-o", tmp_path / "o.h5")]:
+    output = tmp_path / "o.h5"
+    for command in [("list", "algorithms", "--plugin", path), ("check", config), ("run", config, "-o", output)]:
         run = pipeline(*command)
         assert (run.returncode, run.stdout) == (INPUT, "")
         assert re.search(message, one_line(run)), run.stderr
-    assert one_line(run).startswith(f"{config}:6:8: plugin 'libmine.so': ")
+    assert one_line(run).startswith(f"{config}:4:8: plugin 'libmine.so': ")
     assert not list(tmp_path.glob("o.h5*")), "nothing half written"
 
 
@@ -343,7 +355,8 @@ def test_a_library_that_needs_another_is_one_line(tmp_path):
     library = bad_table(tmp_path, "-L", tmp_path, "-Wl,--no-as-needed", "-lneeded")
     run = pipeline("list", "algorithms", "--plugin", library)
     assert run.returncode == INPUT
-    assert re.search(r"cannot be loaded \(libneeded.so: .*; build it for this machine, with all that it needs", one_line(run))
+    message = r"cannot be loaded \(libneeded.so: .*; build it for this machine, with all that it needs"
+    assert re.search(message, one_line(run))
 
 
 def test_two_libraries_may_not_share_a_name(spheres, tmp_path):
@@ -362,7 +375,7 @@ def test_plugin_is_an_option_of_those_that_ask_methods():
 KEYS = {
     '[[plugin]]\npth = "x.so"': "unknown key 'plugin.*pth'",
     "[[plugin]]": "missing key 'plugin.*path'",
-    "[[plugin]]\npath = 3": "must be a text",
+    "[[plugin]]\npath = 3": "'plugin.0.path' must be text, not 3",
     '[plugin]\npath = "x.so"': "plugin",
 }
 
@@ -416,14 +429,14 @@ def test_a_method_that_refuses_its_bodies_is_told_before_the_run(odd, tmp_path):
 
 # From the third step on. What is stored as the reason.
 FAULTS = {
-    "odd_throws": "answer let an exception out: thrown on purpose",
-    "odd_throws_a_number": "answer let an exception out: not a std::exception",
-    "odd_fails": "answer failed: no more strength",
-    "odd_fails_silently": "answer failed: it gives no reason",
+    "odd_throws": "count let an exception out: thrown on purpose",
+    "odd_throws_a_number": "count let an exception out: not a std::exception",
+    "odd_fails": "count failed: no more strength",
+    "odd_fails_silently": "count failed: it gives no reason",
     "odd_aborts": "aborted.*Assertion `sense > 0' failed",
     "odd_crashes": "signal 11",
     "odd_exits": "",
-    "odd_hangs": "more than 1.0 s",
+    "odd_hangs": "no answer within 1.0 s",
     "odd_leaks": "",
     "odd_unknown": "4000000",
     "odd_twice": "",

@@ -15,10 +15,9 @@
 
 #include "fuzz.hpp"
 #include "pipeline/commands/show.hpp"
-#include "pipeline/config.hpp"
-#include "pipeline/result/h5.hpp"
+#include "pipeline/result/hdf5/h5.hpp"
+#include "pipeline/result/product.hpp"
 #include "pipeline/result/store.hpp"
-#include "pipeline/study/study.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "tests/support/synthetic_result.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -67,41 +66,23 @@ struct Base {
   std::vector<std::string> datasets, objects;  // paths; objects: groups too
 };
 
-std::vector<PairLists> pairs_of(std::size_t steps) {
-  PairLists out;
-  for (std::size_t s = 0; s < steps; ++s) out.append(std::vector<Pair>{{0, 1 + std::uint32_t(s % 3)}});
-  return {out};
-}
-
-/// With everything that a scene's result may hold beside the integration.
-Result scripted() {
-  Result out = synthetic_result(3, 5, 2, 2);
-  out.physics.reset();
-  out.truth.containment = Containment::record;
-  out.truth.contained = pairs_of(3)[0];
-  out.truth.contained_inside = {0, 0, 0};
-  out.truth.closed_within = {0, 0.5};
-  for (Answers& answers : out.answers) answers.contained_hit = {0, 1, 0};
-  for (Summary& row : out.summary) row.contained_hit = 1;
-  out.truth.gaps = GapLists{.margin = 1, .pairs = pairs_of(3)[0], .lower = {0, 0.1, 0.2}, .upper = {0.1, 0.2, 0.3}};
-  out.passes.emplace();
-  out.passes->rows = {{"plate", "x", "along", 0.5, 0, 3, 0.25, 0.5, 2}};
-  out.extremes.emplace();
-  for (int s = 0; s < 3; ++s) out.extremes->rows.push_back({"box-box", "+10 ulp", 1, 10, 0.1, 1, 0, 0, 1, 1, 0});
-  for (std::size_t a = 0; a < out.answers.size(); ++a) {
-    out.passes->answers.push_back({{1}, {2}, {0}, {2}});
-    out.extremes->answers.push_back({{1, 0, 1}, {1, 0, 1}, {1, 0, 0}, {0, 0, 2}, "it threw"});
-  }
-  return out;
-}
-
-Result studied() {
-  Result out = synthetic_result(1, 3, 0, 1);
-  const Study study =
-      *parse_config("study = \"integration\"\n[[sweep]]\nname = \"a\"\nproblem = \"drop\"\n", "a.toml").study;
-  std::vector<StudyRow> cases = study_cases(study);
-  cases.resize(std::min<std::size_t>(cases.size(), 3));
-  out.study = cases;
+/// A scene's result with the least of every product, and one result for each product that is alone.
+std::vector<Result> results() {
+  std::vector<Result> out = {synthetic_result(2, 5, 1, 2)};
+  out[0].bodies.meshes[0] = geometry::box("sphere_16", {1, 1, 1});  // smaller
+  Truth& truth = out[0].truth;
+  truth.containment = Containment::record;
+  for (std::uint32_t step = 0; step < 2; ++step) truth.contained.append(std::vector<Pair>{{0, 3 + step}});
+  truth.contained_inside = {3, 0};
+  truth.closed_within = {0, 0.5};
+  out[0].answers[0].contained_hit = {0, 1};
+  out[0].summary[0].contained_hit = 1;
+  for (const Product& product : products())
+    if (product.place == Product::Place::alone) {
+      product.sample(out.emplace_back());
+    } else {
+      product.sample(out[0]);
+    }
   return out;
 }
 
@@ -125,6 +106,7 @@ hid_t opened(const std::string& image) {
 Base base_of(Result result, const std::filesystem::path& place) {
   Base out;
   write_result(result, place);
+  read_unguarded(place, true);  // throws where it is none
   std::ifstream in(place, std::ios::binary);
   out.image.assign(std::istreambuf_iterator<char>(in), {});
   out.image.erase(out.image.rfind("\ncollision benchmark result, seal "));
@@ -252,8 +234,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const TemporaryFolder place;
   static const std::vector<Base> bases = [] {
     h5::silence();
-    return std::vector<Base>{base_of(synthetic_result(3, 5, 2, 2), place / "integrated.h5"),
-                             base_of(scripted(), place / "scripted.h5"), base_of(studied(), place / "study.h5")};
+    std::vector<Base> out;
+    for (const Result& result : results()) out.push_back(base_of(result, place / "base.h5"));
+    return out;
   }();
   Input input(data, size);
   const Base& base = input.of(bases);

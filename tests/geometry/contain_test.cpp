@@ -366,7 +366,7 @@ TEST(Hair, AnOpenMeshNamesItsFirstOpenEdgeAndTheWidth) {
     ends.insert({p.x(), p.y(), p.z()});
   }
   EXPECT_EQ(ends.size(), 2u);
-  EXPECT_NE(geometry::open_text(solid).find(" belongs to 1 facet, also with corners within 1.9073486328125e-06 m"),
+  EXPECT_NE(geometry::open_text(solid).find(" belongs to 1 facet, also with corners within 1.91e-06 m"),
             std::string::npos)
       << geometry::open_text(solid);
   EXPECT_NE(geometry::open_text(geometry::solid_of(open, 0)).find("coordinates are equal"), std::string::npos);

@@ -76,7 +76,7 @@ TEST(ConfigErrors, RefusesWithPlaceRuleValueAndRemedy) {
       {"step = 3\n" + kScene, "a/f.toml:1:1: unknown key 'step'; did you mean 'steps'?"},
       {"seed=1\n  whatsoever = 3\n" + kScene,
        "a/f.toml:2:3: unknown key 'whatsoever'; known: title, seed, steps, rate, scene, physics, truth, timing, "
-       "algorithm"},
+       "plugin, algorithm"},
       {"zzz=1\naaa=2\n" + kScene, "a/f.toml:1:1: unknown key 'zzz'"},  // the first in the file, not in the alphabet
       {"\"ti\\ntle\" = 3\n" + kScene, "a/f.toml:1:1: unknown key 'ti?tle'; did you mean 'title'?"},
       {"\"a.b\" = 3\n" + kScene, "a/f.toml:1:1: unknown key 'a.b'"},
@@ -129,9 +129,9 @@ TEST(ConfigErrors, RefusesWithPlaceRuleValueAndRemedy) {
       {set + "lying = [1.5, 1]\n", "'scene.set.0.lying.0' must be an integer"},
       {set + "above = [1, 1]\n", "a/f.toml:4:9: 'scene.set.0.above' must be an array of 3 integers, not [1, 1]"},
       {set + "above = [1000000, 1000000, 1000000]\n",
-       "a/f.toml:3:1: 'scene.set' must hold at most 1000000 spheres, not 1000000000000000001; lower"},
+       "a/f.toml:3:1: 'scene.set' must hold at most 1000000 bodies, not 1000000000000000001; lower"},
       {set + "lying = [1000, 1000]\nabove = [0, 0, 0]\n[[scene.set]]\n",
-       "a/f.toml:6:1: 'scene.set' must hold at most 1000000 spheres, not 1000002"},
+       "a/f.toml:6:1: 'scene.set' must hold at most 1000000 bodies, not 1000002"},
       {set + "corner = [1, 2e6]\n", "a/f.toml:4:14: 'scene.set.0.corner.1' must be a number"},
       {set + "spacing = 0\n", "a/f.toml:4:11: 'scene.set.0.spacing' must be a number of at least"},
       {set + "height = inf\n", "a/f.toml:4:10: 'scene.set.0.height' must be a number"},
@@ -178,6 +178,9 @@ TEST(ConfigErrors, RefusesWithPlaceRuleValueAndRemedy) {
        "a/f.toml:4:11: 'timing.repeats' must be an integer between 1 and 1000, not 0"},
       {kScene + "[timing]\nrepeats = 1001\n", "not 1001"},
       {kScene + "[timing]\nrepeat = 1\n", "a/f.toml:4:1: unknown key 'timing.repeat'; did you mean 'repeats'?"},
+      {kScene + "[timing]\nnoise = 1\n", "a/f.toml:4:9: 'timing.noise' must be"},
+      {kScene + "[timing]\npin = -1\n", "a/f.toml:4:7: 'timing.pin' must be an integer of at least 0, not -1"},
+      {kScene + "[timing]\npin = 5000\n", "a/f.toml:4:7: 'timing.pin' must be a processor that this program may use ("},
       // Algorithms
       {kScene + "[[algorithm]]\n", "a/f.toml:3:1: missing key 'algorithm.0.name'; known: obb_sat, bounding_sphere, "},
       {kScene + "[[algorithm]]\nname = 1\n", "a/f.toml:4:8: 'algorithm.0.name' must be text, not 1"},

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cctype>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <random>
 
@@ -48,12 +51,11 @@ TEST(Frames, ComeWholeOrNotYet) {
 
 // A banner on stdout is the most usual mistake of a new program: known at its first letter, and shown.
 TEST(Frames, NoiseIsKnownAtOnce) {
-  EXPECT_EQ(
-      fault_of([] {
-        first_frame("Babylon.js v6.49.0 - WebGL2\nmore", {"HELO", 99});
-      }),
-      "its stdout holds \"Babylon.js v6.49.0 - WebGL2\" where a frame HELO must begin; only frames belong on stdout, "
-      "print on stderr");
+  EXPECT_EQ(fault_of([] {
+              first_frame("Babylon.js v6.49.0 - WebGL2\nmore", {"HELO", 99});
+            }),
+            "its stdout holds \"Babylon.js v6.49.0 - WebGL2\" where a frame HELO must begin; only frames belong there, "
+            "print on stderr");
   EXPECT_NE(fault_of([] { first_frame("\n", {"HITS", 99}); }), "no fault");
   EXPECT_NE(fault_of([] { first_frame("HI!", {"HITS", 99}); }), "no fault");
   EXPECT_NE(fault_of([] { first_frame(frame("DONE", ""), {"HITS", 99}); }), "no fault") << "a right frame, not now";
@@ -78,7 +80,7 @@ TEST(Frames, AQuestionHasTheWrittenLayout) {
   EXPECT_EQ(content.size(), 16u + 2 * 56 + 12);
   EXPECT_EQ(content.substr(content.size() - 12), little(0u) + little(1u) + little(2u));
 
-  const Question back = question_in(content, 2);
+  const QuestionFrame back = question_in(content, 2);
   EXPECT_EQ(back.step, 7u);
   EXPECT_EQ(back.enlarge, 0x1p-40);
   EXPECT_TRUE(std::signbit(back.poses[0].t.z())) << "bit for bit";
@@ -156,8 +158,9 @@ TEST(Frames, AnyBytesGiveAValueOrAFault) {
     std::string bytes(random() % 80, '\0');
     for (char& byte : bytes) byte = static_cast<char>(random() % 4 ? 0 : random());
     try {
-      if (const auto found = first_frame("HITS" + bytes, {"HITS", 60})) {
-        EXPECT_EQ(frame(found->kind, found->content), ("HITS" + bytes).substr(0, 8 + found->content.size()));
+      const std::string all = "HITS" + bytes;
+      if (const auto found = first_frame(all, {"HITS", 60})) {
+        EXPECT_EQ(frame(found->kind, found->content), all.substr(0, 8 + found->content.size()));
         const Reply reply = reply_in(found->content);
         EXPECT_EQ(content_of(reply), found->content);
       }
@@ -165,7 +168,7 @@ TEST(Frames, AnyBytesGiveAValueOrAFault) {
     }
     try {
       const std::size_t bodies = random() % 3;
-      const Question question = question_in(bytes, bodies);
+      const QuestionFrame question = question_in(bytes, bodies);
       EXPECT_EQ(question.poses.size(), bodies);
       const std::string again = content_of(question.step, question.enlarge, question.poses, question.runs);
       EXPECT_EQ(again, bytes);
@@ -219,7 +222,9 @@ TEST(Hello, IsRefusedWithItsKeyAndRule) {
   EXPECT_EQ(fault_of([] { about_in(R"({"name": "m"})"); }), "its hello: 'protocol' must be 1, the version spoken here");
   EXPECT_EQ(fault_of([] { about_in(R"({"protocol": 2, "name": "m"})"); }),
             "its hello: 'protocol' must be 1, the version spoken here");
-  EXPECT_EQ(fault_of([] { about_in(R"({"protocol": 1})"); }), "its hello: 'name' must be there");
+  EXPECT_EQ(
+      fault_of([] { about_in(R"({"protocol": 1})"); }),
+      "its hello: 'name' must be there and be 1 to 64 characters of A-Z a-z 0-9 _ . + - and neither '.' nor '..'");
   EXPECT_EQ(fault(R"(, "promis": "none")"), "its hello: unknown key 'promis'; did you mean 'promise'?");
   EXPECT_EQ(fault(R"(, "promise": "always")"), "its hello: 'promise' must be \"none\", \"conservative\" or \"exact\"");
   EXPECT_EQ(fault(R"(, "setup_ns": -1)"), "its hello: 'setup_ns' must be a number from 0 to 9007199254740992");
@@ -227,6 +232,75 @@ TEST(Hello, IsRefusedWithItsKeyAndRule) {
   EXPECT_EQ(fault(R"(, "version": "1\n2")"), "its hello: 'version' must be one line of at most 200 characters");
   EXPECT_EQ(fault(R"(, "remembers": 1)"), "its hello: 'remembers' must be true or false");
   EXPECT_EQ(fault(R"(, "threads": 0)"), "its hello: 'threads' must be a number from 1 to 4096");
+}
+
+// ---- algorithms/program/conversation.txt, the test vector of the protocol
+
+struct Said {
+  char way;
+  std::string bytes;
+};
+
+std::vector<Said> conversation() {
+  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+  std::ifstream file(root / "algorithms/program/conversation.txt");
+  std::vector<Said> out;
+  for (std::string line; std::getline(file, line);) {
+    line = line.substr(0, line.find('#'));
+    if (line.starts_with('>') || line.starts_with('<')) out.push_back({line[0], ""});
+    std::erase_if(line, [](char c) { return !std::isxdigit(static_cast<unsigned char>(c)); });
+    for (std::size_t i = 0; i < line.size(); i += 2)
+      out.back().bytes += static_cast<char>(std::stoi(line.substr(i, 2), nullptr, 16));
+  }
+  return out;
+}
+
+TEST(Conversation, IsWhatThePipelineSendsAndUnderstands) {
+  geometry::Bodies bodies;
+  bodies.name = {"plate", "one", "two"};
+  bodies.mesh = {0, 1, 1};
+  bodies.fixed = {1, 0, 0};
+  bodies.meshes.resize(2);
+  bodies.meshes[0].name = "plate";
+  bodies.meshes[0].vertices = {{-1, 0, -1}, {1, 0, -1}, {0, -0.0, 1}};
+  bodies.meshes[0].triangles = {{0, 2, 1}};
+  bodies.meshes[1].name = "tetra";
+  bodies.meshes[1].vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 1e-5, 0}, {0, 0, 1}};
+  bodies.meshes[1].triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  const Pose plate, one{{0.6, 0.8, 0, 0}, {0.5, 1, 0}}, two{{}, {0, 2.5, -0.25}};
+  const std::vector<Pose> before = {plate, one, geometry::unborn()}, after = {plate, one, two};
+  const std::vector<PairRun> first = {{0, 1, 2}}, second = {{0, 1, 3}, {1, 2, 3}}, missed = {{0, 2, 3}};
+
+  const std::vector<Said> said = conversation();
+  ASSERT_EQ(said.size(), 16u);
+  std::vector<std::string> down, up;
+  for (const Said& one : said) (one.way == '>' ? down : up).push_back(one.bytes);
+  EXPECT_EQ(down, (std::vector<std::string>{frame("HELO", hello_text("near", bodies, "{\"reach\":2.0}")),
+                                            frame("STEP", content_of(0, 0, before, first)),
+                                            frame("OPER", content_of(0, 0, before, first)), frame("KEEP", ""),
+                                            frame("STEP", content_of(1, 0, after, second)),
+                                            frame("STEP", content_of(1, 0x1p-40, after, missed)), frame("WIPE", ""),
+                                            frame("STEP", content_of(9, 0, after, second))}));
+
+  const auto content = [&](std::size_t i, const char* kind) {
+    const auto found = first_frame(up[i], {kind, 1000});
+    EXPECT_TRUE(found && found->content.size() + kFrameHead == up[i].size()) << i;
+    return std::string(found ? found->content : "");
+  };
+  const About about = about_in(content(0, "HELO"));
+  EXPECT_EQ(about.name, "near");
+  EXPECT_EQ(about.operations_unit, "distances");
+  EXPECT_TRUE(about.remembers);
+  EXPECT_EQ(about.setup_ns, 9876);
+  EXPECT_EQ(about.memory_bytes, 48);
+  EXPECT_EQ(reply_in(content(1, "HITS")).hits, (std::vector<Pair>{{0, 1}}));
+  EXPECT_EQ(reply_in(content(1, "HITS")).time_ns, 2500);
+  EXPECT_EQ(reply_in(content(2, "HITS")).operations, 1);
+  EXPECT_EQ(content(3, "DONE"), "");
+  EXPECT_EQ(reply_in(content(4, "HITS")).hits, (std::vector<Pair>{{0, 1}, {1, 2}}));
+  EXPECT_TRUE(reply_in(content(5, "HITS")).hits.empty());
+  EXPECT_EQ(content(6, "DONE"), "");
+  EXPECT_EQ(first_frame(up[7], {"HITS", 24})->kind, "FAIL");
 }
 
 }  // namespace

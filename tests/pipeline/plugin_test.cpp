@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 
 #include "algorithms/contract/algorithm.hpp"
@@ -59,9 +60,25 @@ TEST(Plugin, OneThatChangedSinceItsTableWasReadIsNotAnswered) {
   }
 }
 
+TEST(Plugin, OneThatHangsWhenItIsLoadedIsGivenUp) {
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    add_plugin(plugins::path_of("hanging_plugin"), "", "here", {.processor_seconds = 5, .wall_seconds = 0.2});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), kInput);
+    EXPECT_NE(std::string(error.what()).find("its table cannot be read: more than 0.2 s of wall time; nothing may go"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "no child is left";
+  EXPECT_EQ(find("plain"), nullptr);
+}
+
 // Every step of a recorded motion, pair by pair, in the order in which the runs ask.
 TEST(Plugin, TheExamplesAnswerAsTheBuiltInBoundingSpheres) {
-  const Result recorded = read_result("tests/data/falling.h5");
+  const Result recorded = read_result(std::filesystem::path(__FILE__).parent_path().parent_path() / "data/falling.h5");
   const auto own = find("bounding_sphere")->make(recorded.bodies, {});
   for (const std::string& name : plugins::examples()) {
     const algorithms::Algorithm row = algorithms::plugin_rows(plugins::path_of(name)).at(0);

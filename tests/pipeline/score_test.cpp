@@ -55,9 +55,9 @@ TEST(Score, RecordedContainedPairsAreNotJudged) {
        {std::vector<Pair>{{0, 1}}, std::vector<Pair>{}, std::vector<Pair>{{0, 1}, {0, 2}}})
     result.truth.contained.append(step);
   result.truth.containment = Containment::record;
-  EXPECT_EQ(judged_pairs(result), 12u);
+  EXPECT_EQ(judged_pairs(result.bodies, result.motion, result.truth), 12u);
   result.truth.containment = Containment::meet;
-  EXPECT_EQ(judged_pairs(result), 15u);
+  EXPECT_EQ(judged_pairs(result.bodies, result.motion, result.truth), 15u);
 }
 
 TEST(Score, ErrorIsZeroAndRatiosAreNaNWhereNothingMeetsOrIsReported) {

@@ -1,5 +1,6 @@
 /* Libraries whose table breaks one rule of algorithms/plugin.h each: the one that -D names. With none of them it is
  * right. */
+#include <signal.h>
 #include <stdlib.h>
 #include <unistd.h>
 
