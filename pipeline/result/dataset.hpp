@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <ranges>
 #include <span>
@@ -61,6 +62,9 @@ struct Dataset {
   bool grows = false;  // of scales: the dimension is unlimited
   std::vector<Attribute> attributes;
   std::vector<std::byte> owned;
+  /// Of what is too large to be laid out beside what it is made of: gives the rows first, ..., last - 1. Then `bytes`
+  /// is empty.
+  std::function<std::vector<std::byte>(std::uint64_t first, std::uint64_t last)> rows;
 
   Dataset() = default;
   Dataset(Dataset&&) = default;
@@ -68,6 +72,11 @@ struct Dataset {
 
   std::uint64_t elements() const;
 };
+
+/// Tells `each` the values of a dataset of numbers, part after part: the first row of a part and its bytes. What lies
+/// in memory is one part; of others every part but the last has a multiple of `multiple` rows.
+void each_part(const Dataset& dataset, std::uint64_t multiple,
+               const std::function<void(std::uint64_t first, std::span<const std::byte> bytes)>& each);
 
 /// One group, its attributes and the datasets directly in it.
 struct Group {

@@ -85,10 +85,12 @@ void Digest::add(const Dataset& dataset) {
   add(type_name(dataset.type));
   add(std::uint64_t{dataset.shape.size()});
   for (const std::uint64_t size : dataset.shape) add(size);
-  if (dataset.type == Type::f64)
-    add_doubles(*this, dataset.bytes);
-  else
-    add(dataset.bytes);
+  each_part(dataset, 1, [&](std::uint64_t, std::span<const std::byte> bytes) {
+    if (dataset.type == Type::f64)
+      add_doubles(*this, bytes);
+    else
+      add(bytes);
+  });
   for (const std::string& text : dataset.text) add(std::string_view(text));
 }
 
