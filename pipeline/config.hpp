@@ -18,9 +18,11 @@ struct Config : SceneConfig {
   std::string text;       // as read
   std::string effective;  // the whole configuration after defaults and --set, as TOML; reading it gives this Config
   std::string title;
-  std::optional<Study> study;        // then it has no scene and nothing of what follows but texts and notes
+  std::optional<Study> study;        // instead of a scene: then nothing else but texts and notes
   std::optional<double> gap_margin;  // m; absent: distances are not asked for
   std::int64_t repeats = 3;
+  bool noise = false;               // the first label is timed a second time
+  std::optional<std::int64_t> pin;  // the one processor that times are taken on
   std::vector<Plugin> plugins;  // of [[plugin]] and --plugin
   std::vector<AlgorithmChoice> algorithms;
 };

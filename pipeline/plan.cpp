@@ -124,8 +124,6 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   const double motion = steps * (double(plan.bodies) * sizeof(geometry::Pose) + 40);
   const double meshes = 24 * double(size.mesh_vertices) + 12 * double(size.mesh_triangles);
   double result = kProgram + meshes + motion;
-  // Files that were read stay in the configuration, and once more in the scene.
-  if (!config.inputs.empty()) result += meshes + motion;
 
   const double moving = config.scene_kind->integrated ? double(plan.bodies) : 0;
   const double spheres = kContactSphere * double(size.contact_spheres);
@@ -379,7 +377,10 @@ std::string plan_text(const Config& config, const Plan& plan, const Seconds& tim
   for (const AlgorithmChoice& choice : config.algorithms)
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
             knobs_json(choice.knobs) + "\n" + foreign_text(choice, plan);
-  text += print("timing      %lld repeats\n", static_cast<long long>(config.repeats));
+  text += print("timing      %lld repeats", static_cast<long long>(config.repeats));
+  if (config.noise && !config.algorithms.empty())
+    text += ", " + config.algorithms.front().label + " a second time for the noise floor";
+  text += config.pin ? print(", on processor %lld\n", static_cast<long long>(*config.pin)) : "\n";
   // Who takes much of it: a tenth, or more than the program itself.
   for (const LabelPlan& label : plan.labels)
     if (label.memory.greatest > std::uint64_t(16 * kMiB) && 10 * label.memory.greatest > plan.memory_bytes)

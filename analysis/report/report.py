@@ -248,7 +248,7 @@ def doubtful_times(run):
         share = table.time_mean_ns / table.processor_mean_ns - 1
         late = share[share > DISTURBED]
         if len(late):
-            each = listed(f"{label} by {100 * value:.2g} %" for label, value in late.items())
+            each = listed(f"{label} by {number(100 * value)} %" for label, value in late.items())
             lines.append(f"the run was disturbed: wall time is above the processor's own, of {each}; time again on an "
                          "idle"
                          " machine.")

@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <ranges>
 #include <span>
 #include <string>
@@ -136,6 +137,12 @@ Dataset bare_scale(const Dimension& dim, std::string long_name, bool grows = fal
 void add_pairs(Group& group, const PairLists& hits, const std::string& what, const Sizes& n,
                const std::string& prefix = "");
 
+/// What stands for a value that a row does not have.
+template <typename T>
+constexpr T kAbsent{};
+template <>
+constexpr double kAbsent<double> = std::numeric_limits<double>::quiet_NaN();
+
 /// A column of rows.
 template <typename Row, typename T, typename Stored>
 Dataset of_rows(const std::string& group, const Column<Row, T, Stored>& column, const std::vector<Row>& rows,
@@ -143,7 +150,7 @@ Dataset of_rows(const std::string& group, const Column<Row, T, Stored>& column, 
   std::vector<Stored> values;
   for (const Row& one : rows) {
     if constexpr (is_optional<T>)
-      values.push_back(static_cast<Stored>((one.*column.member).value_or(Stored{})));
+      values.push_back(static_cast<Stored>((one.*column.member).value_or(kAbsent<Stored>)));
     else
       values.push_back(static_cast<Stored>(one.*column.member));
   }

@@ -99,7 +99,7 @@ std::string Digest::hex() const {
 }
 
 bool is_digested(const Dataset& dataset) {
-  if (dataset.path == "/config" || dataset.path.ends_with("_ns")) return false;
+  if (dataset.path == "/config" || dataset.path.ends_with("_ns") || dataset.path.ends_with("_bytes")) return false;
   return dataset.scale == Scale::none || dataset.path == "/step" || dataset.path == "/body" ||
          dataset.path == "/algorithm";
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <numeric>
 
 #include "pipeline/result/product.hpp"
@@ -199,6 +200,13 @@ Group answers(const Answers& answers, const Sizes& n) {
                                                      {"status", std::string(failed(answers) ? "failed" : "complete")},
                                                      {"reason", foreign->reason},
                                                      {"steps_done", foreign->steps_done}});
+  if (answers.machine.pinned >= 0) group.attributes.push_back({"pinned", answers.machine.pinned});
+  const auto cost = [&](const char* name, double value) {
+    if (!std::isnan(value)) group.attributes.push_back({name, static_cast<std::int64_t>(value)});
+  };
+  cost("setup_ns", answers.costs.setup_ns);
+  cost("memory_bytes", answers.costs.memory_bytes);
+  cost("memory_greatest_bytes", answers.costs.memory_greatest_bytes);
   add_pairs(group, answers.hits, "pairs of bodies that the algorithm reported", n);
   return group;
 }

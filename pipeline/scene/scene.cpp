@@ -5,6 +5,12 @@
 #include <limits>
 #include <numbers>
 
+#include "pipeline/scene/box.hpp"
+#include "pipeline/scene/extremes.hpp"
+#include "pipeline/scene/falling.hpp"
+#include "pipeline/scene/playground.hpp"
+#include "pipeline/scene/replay.hpp"
+
 namespace pipeline {
 
 const std::vector<SceneKind>& scene_kinds() {

@@ -12,7 +12,7 @@
 #include <functional>
 #include <iterator>
 
-#include "pipeline/result/h5.hpp"
+#include "pipeline/result/hdf5/h5.hpp"
 #include "pipeline/result/products/extremes.hpp"
 #include "pipeline/result/products/physics.hpp"
 #include "pipeline/result/seal.hpp"
