@@ -21,6 +21,8 @@ struct Config : SceneConfig {
   std::optional<Study> study;        // instead of a scene: then nothing else but texts and notes
   std::optional<double> gap_margin;  // m; absent: distances are not asked for
   std::int64_t repeats = 3;
+  bool noise = false;               // the first label is timed a second time
+  std::optional<std::int64_t> pin;  // the one processor that times are taken on
   std::vector<Plugin> plugins;  // of [[plugin]] and --plugin
   std::vector<AlgorithmChoice> algorithms;
 };

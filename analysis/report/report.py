@@ -83,8 +83,8 @@ def report(runs):
 def failures(runs):
     """Methods of others that ended early; one line each."""
     return [
-        f"{pareto.name(run)}: {label} failed after {number(int(done))} of {counted(run.meta['steps'], 'step')}: {reason.rstrip('.')}."
-        " It is left out of figures and tables."
+        f"{pareto.name(run)}: {label} failed after {number(int(done))} of {counted(run.meta['steps'], 'step')}:"
+        f" {reason.rstrip('.')}. It is left out of figures and tables."
         for run in runs for label, (reason, done) in run.failed.items()
     ]
 
@@ -93,21 +93,26 @@ def foreign(runs):
     """What methods of others are, and how they ended; None when there are none."""
     rows = []
     for run in runs:
-        exchange = run.per_step.groupby("algorithm", observed=False)["exchange_ns"].mean() if "exchange_ns" in run.per_step else {}
+        exchange = {}
+        if "exchange_ns" in run.per_step:
+            exchange = run.per_step.groupby("algorithm", observed=False)["exchange_ns"].mean()
         for label, told in run.meta["answers"].items():
             if not told.get("transport"):
                 continue
             whole = told.get("status") == "complete" and label in exchange and exchange[label] > 0
             rows.append({
-                "label": label, "file": pareto.name(run), "asked as": told["transport"], "command": told.get("command", ""),
+                "label": label, "file": pareto.name(run), "asked as": told["transport"],
+                "command": told.get("command", ""),
                 "method": " ".join(filter(None, (told.get("name", ""), told.get("version", "")))),
-                "language": told.get("language", ""), "precision": told.get("precision", ""), "threads": told.get("threads", 1),
+                "language": told.get("language", ""), "precision": told.get("precision", ""),
+                "threads": told.get("threads", 1),
                 "exchange (µs)": exchange[label] / 1e3 if whole else float("nan"),
                 "status": told.get("status", ""), "steps": told.get("steps_done", 0), "reason": told.get("reason", ""),
             })
     caption = (
-        "Their time is their own, taken by a clock in their process around the work for a step; the wall time of question and"
-        " answer, its mean over steps here, bounds it. A library is called in a process of its own, a program asked through pipes."
+        "Their time is their own, taken by a clock in their process around the work for a step; the wall time of"
+        " question and answer, its mean over steps here, bounds it. A library is called in a process of its own, a program asked"
+        " through pipes."
     )
     return Section("Methods of others", [Table("Who answered, and how", pd.DataFrame(rows), caption)]) if rows else None
 
@@ -243,7 +248,7 @@ def doubtful_times(run):
         share = table.time_mean_ns / table.processor_mean_ns - 1
         late = share[share > DISTURBED]
         if len(late):
-            each = listed(f"{label} by {100 * value:.2g} %" for label, value in late.items())
+            each = listed(f"{label} by {number(100 * value)} %" for label, value in late.items())
             lines.append(f"the run was disturbed: wall time is above the processor's own, of {each}; time again on an "
                          "idle"
                          " machine.")

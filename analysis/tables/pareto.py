@@ -16,7 +16,7 @@ class Scene:
     """Results that ask the same question: motion and truth are the same bit for bit, so errors compare.
 
     points: one row per label: label (unique), algorithm, file, knobs (dict), scope, promise, unit (of operations),
-    exact and library (bool), machine (host, processor and build as one text: times compare only within one), times
+    exact and library (bool), asked (how, of a method of others), machine (host, processor and build as one text: times compare only within one), times
     (per step, ns; empty when the file has none), floor (an Interval or None: the noise floor of its file), error,
     hits, true_positive, ..., time_mean_ns, time_median_ns, time_p95_ns, operations (per step), promise_kept.
     """
@@ -59,6 +59,11 @@ def machine(answers):
     return f"{place}, {commit[:7]}{dirty and '-dirty'} {rest}".strip()
 
 
+def asked(answers):
+    """How a method of others was asked and what it is written in: "imported, Fortran"; "" of one of the program."""
+    return ", ".join(filter(None, (answers.get("transport"), answers.get("language"))))
+
+
 def _points(runs):
     """The table of Scene. What several files tell of one label is the same when its answers' digests and machines are:
     then it is kept once, of the first file; else the label gets its file's name."""
@@ -82,6 +87,7 @@ def _points(runs):
                     "exact": answers.get("promise") == "exact",
                     "library": bool(answers.get("library")),
                     "machine": machine(answers),
+                    "asked": asked(answers),
                     "times": run.step_times.get(label, np.zeros(0)),
                     "floor": run.noise,
                 }

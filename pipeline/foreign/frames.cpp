@@ -69,7 +69,7 @@ std::optional<Frame> first_frame(std::string_view bytes, const Expected& expecte
   if (!fails && !expected.kind.starts_with(kind)) {
     const std::string_view there = bytes.substr(0, bytes.find('\n'));
     throw Fault("its stdout holds \"" + one_line(there, 40) + "\" where a frame " + std::string(expected.kind) +
-                " must begin; only frames belong on stdout, print on stderr");
+                " must begin; only frames belong there, print on stderr");
   }
   if (bytes.size() < kFrameHead) return std::nullopt;
   const auto length = Reader(bytes.substr(kLetters)).get<std::uint32_t>();
@@ -91,10 +91,10 @@ std::string content_of(std::uint32_t step, double enlarge, std::span<const Pose>
   return out.bytes;
 }
 
-Question question_in(std::string_view content, std::size_t bodies) {
+QuestionFrame question_in(std::string_view content, std::size_t bodies) {
   if (content.size() < kQuestionHead) throw Fault("a question of " + whole(content.size()) + " bytes has no head");
   Reader in(content);
-  Question out;
+  QuestionFrame out;
   out.step = in.get<std::uint32_t>();
   const std::size_t runs = in.get<std::uint32_t>();
   out.enlarge = in.get<double>();

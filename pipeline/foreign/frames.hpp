@@ -55,7 +55,7 @@ struct Expected {
 std::optional<Frame> first_frame(std::string_view bytes, const Expected& expected);
 
 /// A question about one step: the content of STEP and OPER.
-struct Question {
+struct QuestionFrame {
   std::uint32_t step = 0;
   double enlarge = 0;  // boxes and radii grow by this times (size + |t|)
   std::vector<geometry::Pose> poses;
@@ -68,7 +68,7 @@ std::string content_of(std::uint32_t step, double enlarge, std::span<const geome
                        std::span<const geometry::PairRun> runs);
 
 /// The counterpart, for `bodies` bodies. Throws Fault.
-Question question_in(std::string_view content, std::size_t bodies);
+QuestionFrame question_in(std::string_view content, std::size_t bodies);
 
 /// What is answered: the content of HITS.
 struct Reply {

@@ -235,7 +235,7 @@ FAULTS = {
     "nan": "its time is nan ns",
     "negative": "its time is -1.0 ns",
     "long": "its time is 1e18 ns, longer than the exchange",
-    "noise": 'its stdout holds "Babylon.js v6.49.0 - WebGL2" where a frame HITS must begin; only frames belong on stdout',
+    "noise": 'its stdout holds "Babylon.js v6.49.0 - WebGL2" where a frame HITS must begin; only frames belong there',
     "half": "it ended with code 0 after ",
     "half_hang": "no answer within 0.5 s, only ",
     "huge": "its frame HITS says that it has 4294967295 bytes; at most 40 are possible here",
@@ -243,7 +243,12 @@ FAULTS = {
     "garbage": "where a frame HITS must begin",
     "again": "it sent more than it was asked for",
 }
-BUDGETS = {"hang": "step_budget = 0.5", "half_hang": "step_budget = 0.5", "slow": "time_budget = 1.5", "leak": "memory_budget = 100"}
+BUDGETS = {
+    "hang": "step_budget = 0.5",
+    "half_hang": "step_budget = 0.5",
+    "slow": "time_budget = 1.5",
+    "leak": "memory_budget = 100",
+}
 
 
 @pytest.fixture(scope="module")
@@ -293,7 +298,8 @@ def test_show_score_and_load_say_so(faults, tmp_path):
     shown = pipeline("show", path)
     assert shown.returncode == DONE
     assert "    failed after 4 of 12 steps, whose sums these are: it gives up: ValueError: no such luck" in shown.stdout
-    row = next(row for row in json.loads(pipeline("show", path, "--json").stdout)["algorithms"] if row["label"] == "throw")
+    rows = {row["label"]: row for row in json.loads(pipeline("show", path, "--json").stdout)["algorithms"]}
+    row = rows["throw"]
     assert row["foreign"]["status"] == "failed" and row["foreign"]["steps_done"] == 4
     assert row["error"] is None
     baseline = tmp_path / "baseline.json"
@@ -368,6 +374,109 @@ def test_text_files_that_are_no_programs_are_refused(tmp_path):
     run = pipeline("run", scene(tmp_path, algorithm(["./text"], "text")), "-o", tmp_path / "no.h5")
     assert run.returncode == INPUT
     assert "cannot be started (Exec format error)" in one_line(run)
+
+
+# ---- other scenes
+
+
+PLAYGROUND = """
+[scene]
+kind = "playground"
+hero = {shape = "box", size = [1, 1, 1]}
+[[scene.obstacle]]
+name = "a"
+shape = "box"
+size = [2, 1, 1]
+[[scene.obstacle]]
+name = "b"
+shape = "sphere"
+radius = 1
+segments = 6
+[[scene.path]]
+axis = "x"
+[timing]
+repeats = 1
+[[algorithm]]
+name = "aabb"
+"""
+EXTREMES = """
+[scene]
+kind = "extremes"
+pairs = ["box-box"]
+scales = [1.0]
+offsets = [0.0]
+[timing]
+repeats = 1
+[[algorithm]]
+name = "aabb"
+"""
+
+
+def small(folder, name, text, program):
+    (folder / "program.py").write_text(f"import sys; sys.path.insert(0, {str(ADAPTERS)!r})\n" + program)
+    config = folder / f"{name}.toml"
+    boxes = algorithm([PYTHON, str(ADAPTERS / "world_boxes.py")], "boxes")
+    config.write_text(text + boxes + (algorithm([PYTHON, "program.py"], "bad") if program else ""))
+    return config
+
+
+def test_passes_are_asked_of_programs_too(tmp_path):
+    """Between the samples the other one fails: a question about one pair."""
+    program = (
+        "from collision_program import serve\n"
+        "def answer(step):\n"
+        "    if len(list(step.pairs())) == 1: raise ValueError('one pair')\n"
+        "    at = step.positions\n"
+        "    return [(a, b) for a, b in step.pairs() if sum((p - q) ** 2 for p, q in zip(at[a], at[b])) < 2]\n"
+        "serve(lambda run: answer, name='bad')\n")
+    path = tmp_path / "passes.h5"
+    run = pipeline("run", small(tmp_path, "passes", PLAYGROUND, program), "-o", path)
+    assert run.returncode == FAILED, run.stderr
+    with h5py.File(path) as file:
+        labels = list(file["algorithm"].asstr()[()])
+        inside, boxes, bad = (labels.index(label) for label in ("aabb", "boxes", "bad"))
+        for name in ("first", "last", "flicker", "hits"):
+            values = file["passes"][name][()]
+            assert np.array_equal(values[:, inside], values[:, boxes], equal_nan=True)
+        assert np.isfinite(file["passes/first"][:, boxes]).any()
+        assert np.isnan(file["passes/first"][:, bad]).all() and (file["passes/hits"][:, bad] == 0).all()
+    about = attributes(path, "bad")
+    assert about["reason"].startswith("between the samples of a pass: it gives up: ValueError: one pair")
+    assert attributes(path, "boxes")["status"] == "complete"
+
+
+def test_extremes_are_asked_of_programs_too(tmp_path):
+    """Each set of cases is a run of its own, in both orders of the bodies and both places."""
+    path = tmp_path / "extremes.h5"
+    assert pipeline("run", small(tmp_path, "extremes", EXTREMES, ""), "-o", path).returncode == DONE
+    with h5py.File(path) as file:
+        position = file["motion/position"][()]
+    far = np.sort(np.linalg.norm(position[:, 0] - position[:, 1], axis=1))
+    jump = np.argmax(np.diff(far))
+    program = (
+        "from collision_program import serve\n"
+        "def answer(step):\n"
+        "    a, b = step.positions\n"
+        f"    if sum((p - q) ** 2 for p, q in zip(a, b)) > {(0.5 * (far[jump] + far[jump + 1])) ** 2}:\n"
+        "        raise ValueError('too far')\n"
+        "    return list(step.pairs())\n"
+        "serve(lambda run: answer, name='bad')\n")
+    run = pipeline("run", small(tmp_path, "extremes", EXTREMES, program), "-o", path, "--force")
+    with h5py.File(path) as file:
+        labels = list(file["algorithm"].asstr()[()])
+        inside, boxes, bad = (labels.index(label) for label in ("aabb", "boxes", "bad"))
+        for name in ("reported", "swapped", "moved", "failed"):
+            values = file["extremes"][name][()]
+            assert np.array_equal(values[:, inside], values[:, boxes]), name
+        assert file["extremes/reported"][:, boxes].any()
+        failed = file["extremes/failed"][:, bad]
+        assert 0 < (failed == 2).sum() < len(failed), "some cases only"
+        steps = len(failed)
+    about = attributes(path, "bad")
+    assert run.returncode == FAILED and "bad failed after" in run.stderr
+    assert about["status"] == "failed" and about["reason"].startswith("it gives up: ValueError: too far")
+    assert about["steps_done"] == (failed == 0).sum() < steps
+    assert (attributes(path, "boxes")["status"], attributes(path, "boxes")["steps_done"]) == ("complete", steps)
 
 
 # ---- ends
@@ -485,7 +594,8 @@ def test_adapters_hold_the_recorded_conversation(program):
         said = child.stdout.read(struct.unpack("<I", head[4:])[0])
         if kind == "HELO":
             said, content = json.loads(said), json.loads(content)
-            assert said.pop("setup_ns") >= 0 and said.pop("language") and content.pop("setup_ns") and content.pop("language")
+            for hello in (said, content):
+                assert hello.pop("setup_ns") >= 0 and hello.pop("language")
             assert said == content
         elif kind == "HITS":
             time_ns, prepare_ns = struct.unpack("<2d", said[:16])
@@ -512,8 +622,8 @@ def block(page, mark):
     if lines[0].strip().startswith("```"):
         lines = lines[1:lines.index(" " * indent + "```", 1)]
     else:
-        end = next((i for i, line in enumerate(lines) if line.strip() and len(line) - len(line.lstrip()) < indent), len(lines))
-        lines = lines[:end]
+        less = (i for i, line in enumerate(lines) if line.strip() and len(line) - len(line.lstrip()) < indent)
+        lines = lines[:next(less, len(lines))]
     return "\n".join(line[indent:] for line in lines) + "\n"
 
 

@@ -39,7 +39,7 @@ void take_reply(std::string_view content) {
 }
 
 void take_question(std::string_view content) {
-  const Question question = question_in(content, kBodies);
+  const QuestionFrame question = question_in(content, kBodies);
   require(question.poses.size() == kBodies, "a pose per body");
   for (const geometry::PairRun& run : question.runs)
     require(run.a < run.first && run.first <= run.last && run.last <= kBodies, "a run is one of the bodies'");

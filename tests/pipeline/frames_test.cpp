@@ -6,6 +6,7 @@
 #include <bit>
 #include <cctype>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <random>
@@ -50,12 +51,11 @@ TEST(Frames, ComeWholeOrNotYet) {
 
 // A banner on stdout is the most usual mistake of a new program: known at its first letter, and shown.
 TEST(Frames, NoiseIsKnownAtOnce) {
-  EXPECT_EQ(
-      fault_of([] {
-        first_frame("Babylon.js v6.49.0 - WebGL2\nmore", {"HELO", 99});
-      }),
-      "its stdout holds \"Babylon.js v6.49.0 - WebGL2\" where a frame HELO must begin; only frames belong on stdout, "
-      "print on stderr");
+  EXPECT_EQ(fault_of([] {
+              first_frame("Babylon.js v6.49.0 - WebGL2\nmore", {"HELO", 99});
+            }),
+            "its stdout holds \"Babylon.js v6.49.0 - WebGL2\" where a frame HELO must begin; only frames belong there, "
+            "print on stderr");
   EXPECT_NE(fault_of([] { first_frame("\n", {"HITS", 99}); }), "no fault");
   EXPECT_NE(fault_of([] { first_frame("HI!", {"HITS", 99}); }), "no fault");
   EXPECT_NE(fault_of([] { first_frame(frame("DONE", ""), {"HITS", 99}); }), "no fault") << "a right frame, not now";
@@ -80,7 +80,7 @@ TEST(Frames, AQuestionHasTheWrittenLayout) {
   EXPECT_EQ(content.size(), 16u + 2 * 56 + 12);
   EXPECT_EQ(content.substr(content.size() - 12), little(0u) + little(1u) + little(2u));
 
-  const Question back = question_in(content, 2);
+  const QuestionFrame back = question_in(content, 2);
   EXPECT_EQ(back.step, 7u);
   EXPECT_EQ(back.enlarge, 0x1p-40);
   EXPECT_TRUE(std::signbit(back.poses[0].t.z())) << "bit for bit";
@@ -168,7 +168,7 @@ TEST(Frames, AnyBytesGiveAValueOrAFault) {
     }
     try {
       const std::size_t bodies = random() % 3;
-      const Question question = question_in(bytes, bodies);
+      const QuestionFrame question = question_in(bytes, bodies);
       EXPECT_EQ(question.poses.size(), bodies);
       const std::string again = content_of(question.step, question.enlarge, question.poses, question.runs);
       EXPECT_EQ(again, bytes);
@@ -242,7 +242,8 @@ struct Said {
 };
 
 std::vector<Said> conversation() {
-  std::ifstream file("algorithms/program/conversation.txt");
+  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+  std::ifstream file(root / "algorithms/program/conversation.txt");
   std::vector<Said> out;
   for (std::string line; std::getline(file, line);) {
     line = line.substr(0, line.find('#'));

@@ -1,4 +1,4 @@
-"""A program that answers with balls of 1 m and goes wrong at step 4 as its first word says; tests/commands/test_foreign.py."""
+"""A program that answers with balls of 1 m and goes wrong at step 4 as its first word says (test_foreign.py)."""
 import os
 import signal
 import struct
@@ -16,7 +16,8 @@ send, hits = collision_program.send, collision_program.hits
 
 
 def near(step):
-    return [(a, b) for a, b in step.pairs() if sum((p - q) ** 2 for p, q in zip(step.positions[a], step.positions[b])) < 4]
+    at = step.positions
+    return [(a, b) for a, b in step.pairs() if sum((p - q) ** 2 for p, q in zip(at[a], at[b])) < 4]
 
 
 def answer(step):

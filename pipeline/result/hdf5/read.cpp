@@ -147,6 +147,14 @@ std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::
     if (from.has_attribute(path, "library")) answers.library = text("library");
     if (from.has_attribute(path, "transport")) answers.foreign = read_facts(from, path, steps);
     answers.machine = {text("host"), text("processor"), text("build"), text("date")};
+    const auto whole = [&](const char* name, auto& value) {
+      using T = std::remove_reference_t<decltype(value)>;
+      if (from.has_attribute(path, name)) value = static_cast<T>(from.attribute<std::int64_t>(path, name));
+    };
+    whole("pinned", answers.machine.pinned);
+    whole("setup_ns", answers.costs.setup_ns);
+    whole("memory_bytes", answers.costs.memory_bytes);
+    whole("memory_greatest_bytes", answers.costs.memory_greatest_bytes);
     answers.hits = from.pairs(path, steps, bodies);
     all.push_back(std::move(answers));
   }

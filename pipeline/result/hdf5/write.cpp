@@ -77,7 +77,9 @@ class Writer {
     const hid_t type = h5_type(dataset.type, text_);
     h5::Dataset made(H5Dcreate2(file_, path.c_str(), type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
                      "make " + path);
-    if (!dataset.bytes.empty()) {
+    if (dataset.rows) {
+      write_rows(dataset, made.id(), type, space);
+    } else if (!dataset.bytes.empty()) {
       h5::check(H5Dwrite(made.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, dataset.bytes.data()), "write " + path);
     } else if (!dataset.text.empty()) {
       std::vector<const char*> texts;
@@ -107,6 +109,20 @@ class Writer {
       h5::check(H5DSattach_scale(made.id(), scales_.at(scale).dataset.id(), d), "attach " + scale + " to " + path);
       link(scale, group);
     }
+  }
+
+  /// Whole chunks at a time, so that none is made twice.
+  void write_rows(const Dataset& dataset, hid_t made, hid_t type, const h5::Space& space) {
+    each_part(dataset, chunk_of(dataset)[0], [&](std::uint64_t first, std::span<const std::byte> bytes) {
+      std::vector<hsize_t> start(dataset.shape.size(), 0), count(dataset.shape.begin(), dataset.shape.end());
+      start[0] = first;
+      count[0] = bytes.size() / (dataset.elements() / dataset.shape[0] * size_of(dataset.type));
+      const h5::Space part(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
+                           "shape a part of " + dataset.path);
+      h5::check(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+                "select a part of " + dataset.path);
+      h5::check(H5Dwrite(made, type, part.id(), space.id(), H5P_DEFAULT, bytes.data()), "write " + dataset.path);
+    });
   }
 
   /// Links a scale into a group that uses it, so that the group can be opened alone.
@@ -153,14 +169,14 @@ class Writer {
   std::map<std::string, OpenScale> scales_;  // by path
 };
 
-/// The file's bytes, its seal among them when it is `vouched` for. The same groups give the same bytes.
-std::vector<std::byte> image(const std::vector<Group>& groups, const std::map<std::string, std::string>& digests,
-                             bool vouched) {
+/// Writes the file, with its seal when it is `vouched` for. The same groups give the same bytes.
+void write(const std::vector<Group>& groups, const std::map<std::string, std::string>& digests, bool vouched,
+           OutputFile& target) {
   h5::silence();
   const h5::Properties access(H5Pcreate(H5P_FILE_ACCESS), "make properties");
   h5::check(H5Pset_fapl_core(access.id(), 16 << 20, false), "write into memory");
-  // The oldest format that holds everything: any reader since HDF5 1.8 reads it. From superblock 2 on, 1.10.8's
-  // H5Fget_file_image clears a flag without renewing the checksum: its image cannot be opened.
+  // The oldest format that holds everything: any reader since HDF5 1.8 reads it. Superblock 0, whose bytes in
+  // memory are those of a closed file: later ones have a flag that only closing clears, and a checksum over it.
   h5::check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18), "choose the format");
   const h5::Properties creation(H5Pcreate(H5P_FILE_CREATE), "make properties");
   h5::check(H5Pset_link_creation_order(creation.id(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED), "keep order");
@@ -175,13 +191,10 @@ std::vector<std::byte> image(const std::vector<Group>& groups, const std::map<st
 
   h5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "flush");
   const auto size = static_cast<std::size_t>(h5::check(H5Fget_file_image(file.id(), nullptr, 0), "size the file"));
-  std::vector<std::byte> bytes(size);
-  bytes.reserve(size + 128);  // the seal, without a second copy
-  h5::check(H5Fget_file_image(file.id(), bytes.data(), size), "copy the file");
-  if (!vouched) return bytes;  // the attribute stays: that the seal is missing is known
-  const std::string seal = seal_of(bytes);
-  std::ranges::copy(std::as_bytes(std::span(seal)), std::back_inserter(bytes));
-  return bytes;
+  void* memory = nullptr;  // of this driver, where its pointer to the file lies
+  h5::check(H5Fget_vfd_handle(file.id(), H5P_DEFAULT, &memory), "find the file in memory");
+  const std::span<const std::byte> bytes(*static_cast<std::byte**>(memory), size);
+  target.write(bytes, vouched ? seal_of(bytes) : "");  // the attribute stays: that the seal is missing is known
 }
 
 }  // namespace
@@ -192,7 +205,7 @@ void write_result(Result& result, OutputFile& target) {
   try {
     const auto groups = layout(result);
     const auto all = digests(groups);
-    target.write(image(groups, all, result.vouched));
+    write(groups, all, result.vouched, target);
     result.digest = all.at("/");
   } catch (const h5::Failure& failure) {
     throw Error(kFile, std::string("the result: ") + failure.what() + "; please report this");

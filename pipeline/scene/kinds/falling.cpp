@@ -520,7 +520,7 @@ std::vector<Ahead> ahead(const SceneConfig& config) {
 /// Every set has just landed; pressed together, near pairs that do not meet cost answers the most.
 void hurry(const SceneConfig& config, std::vector<BodyState>& states, bool pressed) {
   // Radii from middle to middle; other bodies than spheres stand further apart at first, and fall together.
-  constexpr double kPressed = 2.02, kTogether = 2.6;
+  constexpr double kPressed = 2.02, kTogether = 2.45;
   const FallingScene& falling = config.keys<FallingScene>();
   const double gravity = -config.physics.gravity[1];
   const std::vector<Fall> all = falls(falling);
