@@ -5,20 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "pipeline/scene/box.hpp"
-#include "pipeline/scene/extremes.hpp"
-#include "pipeline/scene/falling.hpp"
-#include "pipeline/scene/playground.hpp"
-#include "pipeline/scene/replay.hpp"
-
 namespace pipeline {
-
-const std::vector<SceneKind>& scene_kinds() {
-  static const std::vector<SceneKind> kinds = {
-      falling_kind(), box_kind(), playground_kind(), replay_kind(), extremes_kind(),
-  };
-  return kinds;
-}
 
 Scene make_scene(const SceneConfig& config) {
   Scene scene = config.scene_kind->make(config);

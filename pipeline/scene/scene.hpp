@@ -1,7 +1,7 @@
 // From a configuration to bodies: meshes, their physical side, and where they are.
 //
 // A kind of scene is a row of scene_kinds() and a file of its own: its keys, their text, its size and its bodies. To
-// add one, write <kind>.hpp and <kind>.cpp, and its line in scene.cpp.
+// add one, write kinds/<kind>.hpp and kinds/<kind>.cpp, and its line in kinds/all.cpp.
 #pragma once
 #include <cstdint>
 #include <limits>

@@ -6,11 +6,11 @@
 #include <functional>
 #include <random>
 
-#include "pipeline/scene/box.hpp"
-#include "pipeline/scene/extremes.hpp"
-#include "pipeline/scene/falling.hpp"
-#include "pipeline/scene/playground.hpp"
-#include "pipeline/scene/replay.hpp"
+#include "pipeline/scene/kinds/box.hpp"
+#include "pipeline/scene/kinds/extremes.hpp"
+#include "pipeline/scene/kinds/falling.hpp"
+#include "pipeline/scene/kinds/playground.hpp"
+#include "pipeline/scene/kinds/replay.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "geometry/decision/oracle.hpp"
 #include "pipeline/config.hpp"
-#include "pipeline/scene/extremes.hpp"
+#include "pipeline/scene/kinds/extremes.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/extremes.hpp"
 #include "pipeline/stages/truth.hpp"

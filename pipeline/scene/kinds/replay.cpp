@@ -4,7 +4,7 @@
 // Keys are read without touching the files they name, because a result's own configuration is read again long after
 // they are gone. The files are read when the configuration is (complete), for their size and flaws, and again when the
 // scene is made: nothing of them stays in memory between.
-#include "pipeline/scene/replay.hpp"
+#include "pipeline/scene/kinds/replay.hpp"
 
 #include <algorithm>
 #include <cmath>

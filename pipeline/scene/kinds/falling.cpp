@@ -3,7 +3,7 @@
 //
 // Keys are read without touching the files they name; files are read when the configuration is (complete), and again
 // when the scene is made (as in replay.cpp).
-#include "pipeline/scene/falling.hpp"
+#include "pipeline/scene/kinds/falling.hpp"
 
 #include <algorithm>
 #include <cmath>

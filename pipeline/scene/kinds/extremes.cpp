@@ -6,7 +6,7 @@
 // coordinate, offset + 8 scale. All positions are multiples of u, hence exact, also when both bodies are moved by
 // powers of two times u. The exact truth is bisected down to one u: at gap 0 the two meet, one ulp farther they do not.
 // With both turned at random an axis is as good a direction as any.
-#include "pipeline/scene/extremes.hpp"
+#include "pipeline/scene/kinds/extremes.hpp"
 
 #include <algorithm>
 #include <array>

@@ -13,7 +13,7 @@
 //   friction 0.1 / 0.05    little: a bounce still turns spheres a little.
 //
 // A push adds to the velocity, as an impulse does: what flies fast against it is slowed down.
-#include "pipeline/scene/box.hpp"
+#include "pipeline/scene/kinds/box.hpp"
 
 #include <cmath>
 #include <numbers>

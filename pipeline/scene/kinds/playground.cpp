@@ -4,7 +4,7 @@
 // Obstacles stand on a square grid in the plane y = 0, so wide that on every pass the hero's bounding sphere stays
 // clear of all obstacles but the target. A bounding sphere is about the body's position, of the nominal shape's half
 // extents: bounding_sphere and cannon_naive report nobody else either.
-#include "pipeline/scene/playground.hpp"
+#include "pipeline/scene/kinds/playground.hpp"
 
 #include <algorithm>
 #include <cmath>
