@@ -23,7 +23,7 @@ struct Config : SceneConfig {
   std::int64_t repeats = 3;
   bool noise = false;               // the first label is timed a second time
   std::optional<std::int64_t> pin;  // the one processor that times are taken on
-  std::vector<Plugin> plugins;  // of [[plugin]] and --plugin
+  std::vector<Plugin> plugins;      // of [[plugin]] and --plugin
   std::vector<AlgorithmChoice> algorithms;
 };
 
@@ -37,8 +37,8 @@ Config read_config(const std::filesystem::path& path, const std::vector<std::str
 /// Every key that the reading of a configuration asks for, in that order. Throws as parse_config.
 std::vector<AskedKey> asked_keys(const std::string& text);
 
-/// Reads TOML text as if from `path`, and no file that it names: of libraries only rows that are in the table are known.
-/// For tests.
+/// Reads TOML text as if from `path`, and no file that it names: of libraries only rows that are in the table are
+/// known. For tests.
 Config parse_config(const std::string& text, const std::filesystem::path& path,
                     const std::vector<std::string>& sets = {});
 

@@ -3,10 +3,9 @@
 //
 //   build/growth_bench [options of Google Benchmark]               in the project's folder: one shape is a file
 //
-// A heap is made, not simulated: bodies in any orientation on a jittered lattice, so narrow that a body meets about four
-// others, on a plate. They quiver from step to step, each along a way of its own,
-// by a few millimetres. Numbered along the lattice, as scenes number theirs, or shuffled: neighbours then lie far apart
-// in memory. Columns:
+// A heap is made, not simulated: bodies in any orientation on a jittered lattice, so narrow that a body meets about
+// four others, on a plate. They quiver from step to step, each along a way of its own, by a few millimetres. Numbered
+// along the lattice, as scenes number theirs, or shuffled: neighbours then lie far apart in memory. Columns:
 //   Time      ms of a step: of the truth with what it makes for a step, of a method with its preparation; the processor's
 //   us_body, us_hit   the same a body and a hit
 //   slope     of log time over log bodies, from the next smaller heap of the same row
