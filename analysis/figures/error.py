@@ -45,7 +45,8 @@ def against(scene, points, cost, key, apart=""):
     points["front"] = pareto.front(points[cost], points.error) if len(points) else False
     fig, titles, nameless = _draw(points, cost)
     caption = " ".join(
-        filter(None, [_caption(scene, points, cost), _asked(points, cost), apart, _left_out(left_out), _without_name(nameless)])
+        filter(None, [_caption(scene, points, cost), _asked(points, cost), apart, _left_out(left_out),
+                      _without_name(nameless)])
     )
     return Figure(finding(points, cost), svg_of(fig, titles), caption, _table(points, cost, scene), key)
 

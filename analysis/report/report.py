@@ -111,7 +111,8 @@ def foreign(runs):
             })
     caption = (
         "Their time is their own, taken by a clock in their process around the work for a step; the wall time of"
-        " question and answer, its mean over steps here, bounds it. A library is called in a process of its own, a program asked"
+        " question and answer, its mean over steps here, bounds it. A library is called in a process of its own, a"
+        " program asked"
         " through pipes."
     )
     return Section("Methods of others", [Table("Who answered, and how", pd.DataFrame(rows), caption)]) if rows else None

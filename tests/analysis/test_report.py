@@ -600,7 +600,8 @@ def test_set_up_and_memory_have_a_figure_beside_and_labels_of_which_nothing_is_k
     scene, = pareto.scenes([load(result_file)])
     drawn = plots_error.costs(scene, scene.points, "k")
     assert list(drawn.table.label) == list(scene.points.sort_values(["time_mean_ns", "error"]).label)
-    np.testing.assert_allclose(drawn.table["set-up (µs)"] * 1e3, scene.points.set_index("label").setup_ns[drawn.table.label])
+    setup = scene.points.set_index("label").setup_ns[drawn.table.label]
+    np.testing.assert_allclose(drawn.table["set-up (µs)"] * 1e3, setup)
     greatest = scene.points.loc[scene.points.memory_greatest_bytes.idxmax(), "label"]
     assert f"{greatest} takes most memory" in drawn.title or f"{greatest} takes longest to set up" in drawn.title
     assert all(label in drawn.svg for label in scene.points.label)
@@ -610,13 +611,15 @@ def test_set_up_and_memory_have_a_figure_beside_and_labels_of_which_nothing_is_k
 
 
 def test_ticks_of_memory_are_round_in_its_own_units():
-    assert [plots_error.memory(tick) for tick in plots_error._binary((5e3, 2e7))] == ["10 KiB", "100 KiB", "1 MiB", "10 MiB"]
+    ticks = [plots_error.memory(tick) for tick in plots_error._binary((5e3, 2e7))]
+    assert ticks == ["10 KiB", "100 KiB", "1 MiB", "10 MiB"]
     assert len(plots_error._binary((15, 20))) == 1
 
 
 def test_intervals_are_bars_that_the_axis_holds(result_file, monkeypatch):
     scene, = pareto.scenes([load(result_file)])
-    points = scene.points.assign(time_mean_low_ns=scene.points.time_mean_ns / 3, time_mean_high_ns=scene.points.time_mean_ns * 3)
+    mean = scene.points.time_mean_ns
+    points = scene.points.assign(time_mean_low_ns=mean / 3, time_mean_high_ns=mean * 3)
     points["front"] = True
     fig, titles, _ = plots_error._draw(points.reset_index(drop=True), "time_mean_ns")
     low, high = fig.axes[0].get_xlim()

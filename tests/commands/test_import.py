@@ -77,7 +77,8 @@ def test_the_page_s_script_answers_as_the_same_method_inside(original, copy, scr
     shutil.copy(original, inside)
     assert pipeline("detect", inside, "--algorithm", "bounding_sphere@mine", "--quiet").returncode == DONE
     assert digest(copy, "mine") == digest(inside, "mine")
-    for name in ("hits", "true_positive", "false_positive", "false_negative", "error", "precision", "recall", "matthews"):
+    for name in ("hits", "true_positive", "false_positive", "false_negative", "error", "precision", "recall",
+                 "matthews"):
         assert column(copy, "mine")[name] == column(inside, "mine")[name], name
 
 
@@ -91,7 +92,8 @@ def test_every_file_of_an_export_is_named_and_reads_back(original, tmp_path):
         names = list(file["body"].asstr())
         for row in rows[::97]:
             body = names.index(row["body"])
-            np.testing.assert_array_equal([row[c] for c in ("px", "py", "pz")], file["motion/position"][row["step"], body])
+            place = file["motion/position"][row["step"], body]
+            np.testing.assert_array_equal([row[c] for c in ("px", "py", "pz")], place)
             np.testing.assert_array_equal([row[c] for c in ("qw", "qx", "qy", "qz")],
                                           file["motion/orientation"][row["step"], body])  # fmt: skip
         for name, mesh in file["meshes"].items():
@@ -163,7 +165,8 @@ def test_times_are_this_machine_s_only_when_the_language_is_said(copy, tmp_path)
 
 def test_promise_and_scope_are_the_user_s_word_and_judged(copy, tmp_path):
     write(tmp_path / "a.csv", [])
-    run = pipeline("import", copy, tmp_path / "a.csv", "--label", "silent", "--promise", "conservative", "--scope", "scene")
+    run = pipeline("import", copy, tmp_path / "a.csv", "--label", "silent", "--promise", "conservative",
+                   "--scope", "scene")
     assert run.returncode == FAILED and "silent breaks its promise (conservative)" in run.stderr
     assert load(copy).meta["answers"]["silent"]["scope"] == "scene" and not column(copy, "silent").promise_kept
 
@@ -173,7 +176,8 @@ def test_a_label_that_exists_is_refused_without_force(copy, tmp_path):
     before = copy.read_bytes()
     run = pipeline("import", copy, tmp_path / "a.csv", "--label", "obb_sat")
     assert run.returncode == FILE
-    assert "has answers labelled 'obb_sat' already; --force replaces them, or give another label with --label" in one_line(run)
+    assert ("has answers labelled 'obb_sat' already; --force replaces them, or give another label with --label"
+            in one_line(run))
     assert copy.read_bytes() == before
     assert pipeline("import", copy, tmp_path / "a.csv", "--label", "obb_sat", "--force").returncode == DONE
     assert column(copy, "obb_sat").hits == 0

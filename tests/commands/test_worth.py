@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 from editing import edited
-from program import DONE, FILE, INPUT, ROOT, one_line, pipeline
+from program import DONE, INPUT, ROOT, one_line, pipeline
 
 from analysis.load import load
 from analysis.tables import intervals
@@ -113,7 +113,8 @@ def test_a_disturbed_run_and_a_mean_above_its_percentile_are_said(noisy, tmp_pat
     from analysis.report.report import doubtful_times
 
     words = " ".join(doubtful_times(load(path)))
-    assert "obb_sat by 5 %" in words and re.search(r"the mean time of .*obb_sat.* lies above its 95th percentile", words)
+    assert "obb_sat by 5 %" in words
+    assert re.search(r"the mean time of .*obb_sat.* lies above its 95th percentile", words)
 
 
 def test_a_pinned_run_says_which_processor_it_got(tmp_path):
@@ -128,7 +129,8 @@ def test_a_processor_that_is_not_there_is_refused_before_the_work(tmp_path):
     started = time.monotonic()
     made = run(tmp_path / "r.h5", "timing.pin=1000")
     assert made.returncode == INPUT and time.monotonic() - started < 5
-    assert re.match(r"--set timing.pin=1000: 'timing.pin' must be a processor that this program may use \(\d.*\), not 1000; "
+    assert re.match(r"--set timing.pin=1000: 'timing.pin' must be a processor that this program may use \(\d.*\), "
+                    r"not 1000; "
                     "or leave it out", one_line(made))  # fmt: skip
     assert pipeline("check", SMOKE, "--set", "timing.pin=1000").returncode == INPUT
     assert not list(tmp_path.iterdir())
@@ -171,7 +173,8 @@ def test_a_resumed_run_keeps_what_it_measured(tmp_path):
     from program import PIPELINE
 
     path = tmp_path / "r.h5"
-    command = [PIPELINE, "run", str(SMOKE), "-o", str(path), "--quiet", "--set", "steps=300", "--set", "timing.repeats=40",
+    command = [PIPELINE, "run", str(SMOKE), "-o", str(path), "--quiet", "--set", "steps=300",
+               "--set", "timing.repeats=40",
                "--set", "timing.noise=true"]  # fmt: skip
     first = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     part = tmp_path / "r.h5.part"
