@@ -54,7 +54,8 @@ SCENES = [
     for path in sorted((ROOT / "configs").glob("*.toml"))
     if "scene" in tomllib.loads(path.read_text(encoding="utf-8"))
 ]
-STEPS = {"cup": 44, "heap": 44, "kostka": 100, "hriste": 400, "replay_example": None, "padani": 30, "smoke": 40}
+STEPS = {"kostka": 100, "hriste": 400, "replay_example": None, "padani": 30, "smoke": 40,
+         "heap": 50, "cup": 60}
 
 
 @pytest.fixture(scope="session")

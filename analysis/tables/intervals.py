@@ -96,7 +96,8 @@ def _interval(a, b):
         deviations = np.where(off == 0, 0, off / errors)
     quantile = (RESAMPLES + 1) * 95 // 100 - 1
     half = float(np.partition(deviations, quantile)[quantile] * error) if error else 0.0
-    return Interval(value, value * np.exp(-half), value * np.exp(half))
+    with np.errstate(over="ignore"):  # nothing is known of the ratio then
+        return Interval(value, value * np.exp(-half), value * np.exp(half))
 
 
 def _estimate(a, b):

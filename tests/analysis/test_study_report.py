@@ -44,7 +44,9 @@ def made(rows=None, **more):
         "extremes": None, "failures": None, "summary": pd.DataFrame(), "per_step": pd.DataFrame(),
         "truth_hits": np.zeros(0, np.uint64), "passes": None, "failed": {},
     } | more
-    return SimpleNamespace(**run)
+    out = SimpleNamespace(noise=None, **run)
+    out.completed = lambda: out
+    return out
 
 
 def stiff(**changed):
