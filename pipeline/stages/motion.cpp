@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "pipeline/system/threads.hpp"
 
@@ -25,7 +26,7 @@ struct MotionChunk {
     out.put(rows);
     out.put(failure);
     out.put(std::vector<double>{reference_energy});
-    return out.bytes;
+    return std::move(out.bytes);  // a member: it would be copied
   }
   static MotionChunk from(const std::string& bytes, std::size_t steps, std::size_t bodies) {
     ChunkReader in(bytes);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <utility>
 
 #include "geometry/decision/gap.hpp"
 #include "geometry/decision/meet.hpp"
@@ -33,7 +34,7 @@ struct TruthChunk {
       out.put(gaps->pairs.pair);
       each_gap_column([&](const auto& column) { out.put((*gaps).*column.member); });
     }
-    return out.bytes;
+    return std::move(out.bytes);  // a member: it would be copied
   }
   static TruthChunk from(const std::string& bytes, std::size_t steps, std::size_t bodies, bool lists_contained,
                          bool has_gaps) {
