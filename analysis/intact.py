@@ -35,15 +35,17 @@ SEAL_BYTES = len(SEAL % (b"0" * 32, 0))
 
 # What counts for digests: what the program writes. Own datasets belong at other places, and do not count.
 ROOT = ("step", "time", "body", "algorithm")
-GROUPS = ("bodies", "meshes", "motion", "physics", "truth", "results", "answers", "summary", "passes", "extremes",
-          "study")
+GROUPS = ("bodies", "meshes", "motion", "physics", "truth", "results", "answers", "summary", "noise", "passes",
+          "extremes", "study")
 DIGESTED = ("motion", "truth", "answers")  # carry digests of their own
 TEXTS = {"title", "creator", "git_commit", "build_type", "compiler", "flags", "library_versions", "config_sha256",
          "inputs_sha256", "digest", "digest_algorithm", "effective", "shape", "name", "knobs", "promise", "thesis_key",
          "operations_unit", "scope", "library", "host", "processor", "build", "date", "containment", "status"}
 NUMBERS = {"schema_version", "rate", "wall_time_s", "gap_margin", "quaternion_drift", "surface_deviation",
-           "contact_deviation", "closed"}
+           "contact_deviation", "closed", "ratio", "ratio_low", "ratio_high", "pinned", "setup_ns", "memory_bytes",
+           "memory_greatest_bytes"}
 OBJECTS = {"library_versions", "inputs_sha256", "knobs", "shape"}  # JSON
+MEASURED = ("_ns", "_bytes")  # ends of names that no digest counts: clocks and heap
 MOST_NESTED = 32  # levels of it; ours have at most 3
 
 MOST_INFLATION = 1032  # bytes that deflate makes of one
@@ -188,7 +190,7 @@ def check_content(file, allow=lambda size: None):
             if not isinstance(dataset, h5py.Dataset) or path == "/" and name not in ROOT:
                 continue
             full = path.rstrip("/") + "/" + name
-            if name.endswith("_ns") and dataset.dtype.kind not in "iuf":
+            if name.endswith(MEASURED) and dataset.dtype.kind not in "iuf":
                 raise ValueError(f"{full}: holds no numbers")
             scale = h5py.h5ds.is_scale(dataset.id)
             wanted = shapes.get(path[1:])
@@ -201,7 +203,7 @@ def check_content(file, allow=lambda size: None):
                 raise ValueError(f"{full}: datasets overlap")
             allow(dataset.size * dataset.dtype.itemsize)
             values = dataset[()]
-            if not name.endswith("_ns"):
+            if not name.endswith(MEASURED):
                 mine.append((full.encode(), record(full, values)))
         if path.split("/")[1] in DIGESTED and path != "/answers":
             digests[path] = xxhash.xxh3_128(b"".join(data for _, data in sorted(mine))).hexdigest()

@@ -17,6 +17,7 @@
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/study/study.hpp"
 #include "pipeline/system/file_bytes.hpp"
+#include "pipeline/system/pinned.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 
@@ -216,7 +217,8 @@ std::string lacks(const Section& s, const Config& config, bool recorded) {
   if (recorded && name == program_row().name)
     return "its program, which no result starts by itself; give it with --algorithm program:command=...";
   const algorithms::Algorithm* missing = algorithms::find_missing(name);
-  if (const bool may_go = s.boolean("optional", false); missing && (may_go || recorded)) return algorithms::remedy(*missing);
+  if (const bool may_go = s.boolean("optional", false); missing && (may_go || recorded))
+    return algorithms::remedy(*missing);
   if (!recorded || config.plugins.empty() || algorithms::find(name)) return "";
   std::string libraries;
   for (const Plugin& plugin : config.plugins)
@@ -319,6 +321,8 @@ std::string effective(const Config& c) {
   if (c.gap_margin) out.line("gap_margin", *c.gap_margin);
   out.table("[timing]");
   out.line("repeats", c.repeats);
+  out.line("noise", c.noise);
+  if (c.pin) out.line("pin", *c.pin);
   for (const Plugin& plugin : c.plugins) {
     out.table("[[plugin]]");
     out.line("path", plugin.written);
@@ -331,6 +335,18 @@ std::string effective(const Config& c) {
     for (const auto& [knob, value] : a.knobs) out.line(knob, value);
   }
   return out.text;
+}
+
+/// Of a recorded configuration the processor may be another machine's.
+void read_timing(const Section& timing, Config& config, bool recorded) {
+  timing.only({"repeats", "noise", "pin"});
+  config.repeats = timing.integer("repeats", config.repeats, 1, kMostRepeats);
+  config.noise = timing.boolean("noise", config.noise);
+  const std::int64_t pin = timing.integer("pin", -1, 0);
+  if (pin < 0) return;
+  config.pin = pin;
+  if (!recorded && !has_processor(*config.pin))
+    timing.refuse("pin", "be a processor that this program may use (" + processors_text() + ")", "or leave it out");
 }
 
 /// A seed from which nothing is drawn must not look as if it made a run of its own. The preset only says what is so
@@ -381,7 +397,7 @@ Config read_document(const Document& document, const std::filesystem::path& path
   }
   read_physics(root.section("physics"), config);
   read_truth(root.section("truth"), config);
-  config.repeats = root.section("timing").only({"repeats"}).integer("repeats", config.repeats, 1, kMostRepeats);
+  read_timing(root.section("timing"), config, from == From::result);
   config.plugins = std::move(plugins);
   for (Plugin& plugin : read_plugins(root, path.parent_path(), from != From::file))
     if (from != From::file || std::ranges::find(config.plugins, plugin.path, &Plugin::path) == config.plugins.end())
@@ -427,8 +443,9 @@ Config recorded_config(const std::string& effective, const std::string& file) {
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets,
                    const std::vector<std::string>& plugins) {
   Config config = parsed(bytes_of(path), path, sets, From::file, add_plugins(plugins));
-  if (config.scene_kind) refuse_idle_seed(config);
-  if (config.scene_kind && config.scene_kind->complete) {
+  if (config.study) return config;
+  refuse_idle_seed(config);
+  if (config.scene_kind->complete) {
     config.scene_kind->complete(config);
     config.effective = effective(config);
   }

@@ -18,10 +18,12 @@ struct Config : SceneConfig {
   std::string text;       // as read
   std::string effective;  // the whole configuration after defaults and --set, as TOML; reading it gives this Config
   std::string title;
-  std::optional<Study> study;        // then it has no scene and nothing of what follows but texts and notes
+  std::optional<Study> study;        // instead of a scene: then nothing else but texts and notes
   std::optional<double> gap_margin;  // m; absent: distances are not asked for
   std::int64_t repeats = 3;
-  std::vector<Plugin> plugins;  // of [[plugin]] and --plugin
+  bool noise = false;               // the first label is timed a second time
+  std::optional<std::int64_t> pin;  // the one processor that times are taken on
+  std::vector<Plugin> plugins;      // of [[plugin]] and --plugin
   std::vector<AlgorithmChoice> algorithms;
 };
 
@@ -35,8 +37,8 @@ Config read_config(const std::filesystem::path& path, const std::vector<std::str
 /// Every key that the reading of a configuration asks for, in that order. Throws as parse_config.
 std::vector<AskedKey> asked_keys(const std::string& text);
 
-/// Reads TOML text as if from `path`, and no file that it names: of libraries only rows that are in the table are known.
-/// For tests.
+/// Reads TOML text as if from `path`, and no file that it names: of libraries only rows that are in the table are
+/// known. For tests.
 Config parse_config(const std::string& text, const std::filesystem::path& path,
                     const std::vector<std::string>& sets = {});
 

@@ -122,6 +122,8 @@ constexpr KeyText kTexts[] = {
     {"truth.gap", "1", "bounds on the distance of near pairs that do not meet"},
     {"truth.gap_margin", "m", "how near; with gap = true"},
     {"timing.repeats", "1", "passes of every method over a step: the fastest and the median are kept"},
+    {"timing.noise", "1", "the first label is timed a second time: the noise floor; not of extremes"},
+    {"timing.pin", "1", "number of the one processor that times are taken on; without it any", true},
     {"plugin.N.path", "1", "shared library of methods, relative to the configuration (algorithms/README.md)", true},
     {"algorithm.N.name", "1", "`pipeline list algorithms`; its knobs are further keys", true},
     {"algorithm.N.label", "1", "name of its answers; without it that of the algorithm"},

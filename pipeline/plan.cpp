@@ -31,6 +31,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kMiB = 1 << 20;
 constexpr double kProgram = 28 * kMiB, kHdf5 = 8 * kMiB;  // program and libraries; more of them once HDF5 writes
 constexpr double kImage = 16 * kMiB;                      // HDF5's file in memory grows by so much at a time
+constexpr double kParts = 8 * kMiB;                       // of the motion, while it is written
 constexpr double kFreeBody = 4 * 1024;                    // in integration, a body; in a multibody tree
 constexpr double kTreeBody = 16 * 1024;
 constexpr double kContactSphere = 500;  // of a body that has several: itself, in integration, and those near it
@@ -124,14 +125,14 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   const double motion = steps * (double(plan.bodies) * sizeof(geometry::Pose) + 40);
   const double meshes = 24 * double(size.mesh_vertices) + 12 * double(size.mesh_triangles);
   double result = kProgram + meshes + motion;
-  // Files that were read stay in the configuration, and once more in the scene.
-  if (!config.inputs.empty()) result += meshes + motion;
 
   const double moving = config.scene_kind->integrated ? double(plan.bodies) : 0;
   const double spheres = kContactSphere * double(size.contact_spheres);
   const double placing = kProgram + meshes + double(size.placing_bytes);
-  const double integrating =
-      result + (config.physics.bodies == BodyModel::tree ? kTreeBody : kFreeBody) * moving + spheres;
+  // The states of a chunk's samples, and the chunk as it is kept; their poses come after them.
+  const double chunk = std::min(steps, double(kChunkSteps));
+  const double integrating = result - motion * chunk / steps + 2 * chunk * double(sizeof(BodyState)) * moving +
+                             (config.physics.bodies == BodyModel::tree ? kTreeBody : kFreeBody) * moving + spheres;
   result += steps * (config.scene_kind->integrated ? sizeof(PhysicsSample) : 0) + 32 * steps + 12 * poses.moving;
 
   const double chunks = std::ceil(steps / double(kChunkSteps));
@@ -154,14 +155,12 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   methods +=
       2 * std::min(steps, double(kChunkSteps)) / steps * labels * (sizeof(geometry::Pair) * poses.moving + 80 * steps);
 
-  // The motion is laid out first: both forms of it twice. Then the columns, the image of the file and its copy; at the
-  // end the file is read back.
+  // Beside the result the columns, the file's image and a part of the motion at a time, as read from the result and as
+  // HDF5 takes it.
   const double columns = labels * steps * 88 + (plan.count("case_sets") ? steps * (100 + 3 * labels) : 0);
-  const double laying = result + kHdf5 + 2 * motion;
   const double file = double(plan.file_bytes);
-  const double writing =
-      result + kHdf5 + motion + columns + kImage * std::ceil(file / kImage + 0.01) + 2 * file + motion;
-  return std::max({placing, integrating, deciding, result + methods, laying, writing});
+  const double writing = result + kHdf5 + columns + kImage * std::ceil(file / kImage + 0.01) + std::min(motion, kParts);
+  return std::max({placing, integrating, deciding, result + methods, writing});
 }
 
 algorithms::Memory memory_of(const AlgorithmChoice& choice, const geometry::Bodies& bodies) {
@@ -379,7 +378,10 @@ std::string plan_text(const Config& config, const Plan& plan, const Seconds& tim
   for (const AlgorithmChoice& choice : config.algorithms)
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
             knobs_json(choice.knobs) + "\n" + foreign_text(choice, plan);
-  text += print("timing      %lld repeats\n", static_cast<long long>(config.repeats));
+  text += print("timing      %lld repeats", static_cast<long long>(config.repeats));
+  if (config.noise && !config.algorithms.empty())
+    text += ", " + config.algorithms.front().label + " a second time for the noise floor";
+  text += config.pin ? print(", on processor %lld\n", static_cast<long long>(*config.pin)) : "\n";
   // Who takes much of it: a tenth, or more than the program itself.
   for (const LabelPlan& label : plan.labels)
     if (label.memory.greatest > std::uint64_t(16 * kMiB) && 10 * label.memory.greatest > plan.memory_bytes)

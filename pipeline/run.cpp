@@ -9,11 +9,10 @@
 #include <optional>
 #include <set>
 
+#include "pipeline/amended.hpp"
 #include "pipeline/plan.hpp"
 #include "pipeline/result/checkpoint.hpp"
 #include "pipeline/result/product.hpp"
-#include "pipeline/result/products/extremes.hpp"
-#include "pipeline/result/products/passes.hpp"
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/scene.hpp"
@@ -60,11 +59,7 @@ void describe(Result& result, const Config& config, Provenance from, std::chrono
   result.provenance.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Those that follow from the rest of the result.
-void make_products(Result& result) {
-  for (const Product& product : products())
-    if (product.make) product.make(result);
-}
+TimingRules timing_of(const Config& config) { return {config.repeats, config.noise, config.pin}; }
 
 /// Digest, file and its place.
 void store(Result& result, OutputFile& target, bool quiet, Forecast& forecast) {
@@ -151,10 +146,6 @@ void make_motion(const Config& config, Scene& scene, const Plan& planned, Checkp
   result.first_step = first_steps(result.motion, result.bodies.size());
 }
 
-std::size_t place_of(const std::string& label, const Result& result) {
-  return std::size_t(std::ranges::find(result.answers, label, &Answers::label) - result.answers.begin());
-}
-
 /// Throws Error for a label that is there already, unless forced, or is given twice.
 void check_labels(const std::vector<AlgorithmChoice>& choices, const Result& result, const std::string& file,
                   bool force) {
@@ -165,40 +156,6 @@ void check_labels(const std::vector<AlgorithmChoice>& choices, const Result& res
                              "' already; --force replaces them, or give another label with @LABEL");
     if (!given.insert(choice.label).second)
       throw Error(kInput, "--algorithm: the label '" + choice.label + "' is given twice; name another with @LABEL");
-  }
-}
-
-/// What a file's scene holds besides its poses: the file has where the hero was at its samples; where it was between
-/// them, and how far cases were moved, its configuration says. Throws Error(kFile) when that tells otherwise.
-Scene recorded_scene(const Result& result, const Config& config, const std::string& file) {
-  const Passes* passes = result.products.find<Passes>();
-  const bool cases = result.products.find<Extremes>() != nullptr;
-  if (!passes && !cases) return {};
-  Scene scene = config.scene_kind->make(config);
-  const auto& sets = scene.case_sets;
-  if (cases && (sets.empty() || std::size_t(sets.back().first_step + sets.back().steps) != result.steps()))
-    throw Error(kFile, file + ": its cases are not those of its configuration; run again with --force");
-  const auto same = [&](const Pass& pass, const PassRow& row) {
-    return std::uint64_t(pass.first_step) == row.first_step && std::uint64_t(pass.samples) == row.samples &&
-           row.samples <= result.steps() && row.first_step <= result.steps() - row.samples;
-  };
-  if (passes && !std::ranges::equal(scene.passes, passes->rows, same))
-    throw Error(kFile, file + ": its passes are not those of its configuration; run again with --force");
-  return scene;
-}
-
-/// Adds what was said, or puts it in the place of what the same labels said before.
-void add(Evaluation found, Result& result) {
-  for (std::size_t i = 0; i < found.answers.size(); ++i) {
-    const std::size_t at = place_of(found.answers[i].label, result);
-    for (const Product& product : products())
-      if (product.take && product.has(result)) product.take(found.products, i, result.products, at);
-    if (at == result.answers.size()) {
-      result.answers.emplace_back();
-      result.summary.emplace_back();
-    }
-    result.summary[at] = std::move(found.summary[i]);
-    result.answers[at] = std::move(found.answers[i]);
   }
 }
 
@@ -242,7 +199,7 @@ Result run(const Config& config, const RunOptions& options) {
   }
   give_back();
   Evaluation found = evaluate({result.bodies, result.motion, result.truth, scene, result.products}, config.algorithms,
-                              config.repeats, &part, options.quiet, forecast);
+                              timing_of(config), &part, options.quiet, forecast);
   give_back();
   result.answers = std::move(found.answers);
   result.summary = std::move(found.summary);
@@ -258,17 +215,8 @@ Result run(const Config& config, const RunOptions& options) {
 Result detect_again(const fs::path& file, const std::vector<std::string>& arguments, const RunOptions& options) {
   add_plugins(options.plugins);
   for (const std::string& argument : arguments) parse_algorithm(argument);  // mistakes are said before the file is read
-  std::error_code missing;
-  const fs::path real = fs::canonical(file, missing);  // a link stays one
-  if (missing) read_result(file, options.unsealed);    // throws what is wrong
-  OutputFile target(real, Existing::update);
-  Result result = read_result(real, options.unsealed);
-  if (!result.foreign.empty())
-    throw Error(
-        kFile, file.string() + ": holds '" + one_line(result.foreign.front()) +
-                   "', which is not this program's and would be lost; take it out first, or work on a copy without it");
-  if (const Product* product = stands_alone(result))
-    throw Error(kFile, file.string() + ": is " + product->what + ", without poses to answer; name a result of a scene");
+  Amended amended(file, options.unsealed);
+  Result& result = amended.result;
   const Config config = recorded_config(result.config_effective, file.string());
   result.bodies.closed_within = config.closed_within;
   std::vector<AlgorithmChoice> choices;
@@ -290,16 +238,13 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
       forecast = Forecast(foreseen_stages(result.bodies, result.motion, choices, config.repeats, scene.passes.size(),
                                           plan(result.bodies, result.steps(), choices), kTrial));
   }
-  add(evaluate({result.bodies, result.motion, result.truth, scene, result.products}, choices, config.repeats, nullptr,
-               options.quiet, forecast),
-      result);
-  make_products(result);
-  nlohmann::json inputs = nlohmann::json::parse(result.provenance.inputs_sha256);
+  Evaluation found = evaluate({result.bodies, result.motion, result.truth, scene, result.products}, choices,
+                              timing_of(config), nullptr, options.quiet, forecast);
+  add(std::move(found), result);
   for (const AlgorithmChoice& choice : choices)
-    if (choice.foreign) inputs.update(nlohmann::json(choice.foreign->files));
-  result.provenance.inputs_sha256 = inputs.dump();
-  store(result, target, options.quiet, forecast);
-  return result;
+    if (choice.foreign) add_inputs(nlohmann::json(choice.foreign->files), result);
+  store(result, amended.target, options.quiet, forecast);
+  return std::move(result);
 }
 
 std::vector<std::string> failures(const Result& result) {

@@ -58,7 +58,7 @@ def digests_of(file):
         path: dataset
         for path, dataset in datasets(file).items()
         if path != "/config"
-        and not path.endswith("_ns")
+        and not path.endswith(("_ns", "_bytes"))
         and (not is_scale(dataset) or path in ("/step", "/body", "/algorithm"))
     }
     owners = [f"/{name}" for name in ("motion", "truth") if name in file]

@@ -45,7 +45,8 @@ def against(scene, points, cost, key, apart=""):
     points["front"] = pareto.front(points[cost], points.error) if len(points) else False
     fig, titles, nameless = _draw(points, cost)
     caption = " ".join(
-        filter(None, [_caption(scene, points, cost), apart, _left_out(left_out), _without_name(nameless)])
+        filter(None, [_caption(scene, points, cost), _asked(points, cost), apart, _left_out(left_out),
+                      _without_name(nameless)])
     )
     return Figure(finding(points, cost), svg_of(fig, titles), caption, _table(points, cost, scene), key)
 
@@ -148,8 +149,8 @@ def costs(scene, points, key):
         room = max((values.max() / values.min()) ** 0.1, 1.5)
         limits = values.min() / room, values.max() * room
         axes.set_xlim(limits)
-        # At most four ticks: their names are long.
-        ticks = _fixed(limits, 2).locs
+        # At most four ticks: their names are long. Of memory such as 100 KiB, 1 MiB.
+        ticks = _fixed(limits, 2).locs if shown_as is time else _binary(limits)
         axes.xaxis.set_major_locator(FixedLocator(ticks[:: max(1, -(-len(ticks) // 4))]))
         axes.xaxis.set_major_formatter(lambda value, _, shown_as=shown_as: shown_as(value))
         axes.xaxis.set_minor_locator(NullLocator())
@@ -158,14 +159,20 @@ def costs(scene, points, key):
     return Figure(_costs_finding(points), svg_of(fig), caption, table, key)
 
 
+def _binary(limits):
+    """1, 10 and 100 of B, KiB, MiB and GiB within limits; their middle where there is none."""
+    ticks = [unit * times for unit in (1, 1 << 10, 1 << 20, 1 << 30) for times in (1, 10, 100)]
+    return [tick for tick in ticks if limits[0] <= tick <= limits[1]] or [float(np.sqrt(limits[0] * limits[1]))]
+
+
 def _costs_finding(points):
-    words = []
-    for column, does, text in (("setup_ns", "takes longest to set up", time),
-                               ("memory_greatest_bytes", "takes most memory", memory)):
-        if points[column].notna().any():
-            most = points.loc[points[column].idxmax()]
-            words.append(f"{most.label} {does}, {text(most[column])}")
-    return "; ".join(words)
+    longest, largest = (points.label[points[column].idxmax()] if points[column].notna().any() else ""
+                        for column in ("setup_ns", "memory_greatest_bytes"))
+    words = f"{longest} takes longest to set up, {time(points.setup_ns.max())}" if longest else ""
+    if not largest:
+        return words
+    most = f"most memory, {memory(points.memory_greatest_bytes.max())}"
+    return f"{words}, and {most}" if longest == largest else f"{words}{'; ' if words else ''}{largest} takes {most}"
 
 
 def memory(size):
@@ -279,6 +286,15 @@ def _intervals(points):
     if not {"time_mean_low_ns", "time_mean_high_ns"} <= set(points):
         return pd.Series(False, index=points.index)
     return points.time_mean_low_ns.notna() & points.time_mean_high_ns.notna()
+
+
+def _asked(points, cost):
+    """How methods of others were asked: only so do their times stand beside others."""
+    if cost != "time_mean_ns" or "asked" not in points:
+        return ""
+    others = points[points.asked != ""]
+    each = "; ".join(f"{point.label}: {point.asked}" for point in others.itertuples())
+    return f"Of others, the rest in process: {each}." if each else ""
 
 
 def _left_out(names):
@@ -404,6 +420,8 @@ def _axes(main, strip, points, cost):
     room = max((high / low) ** 0.08, 1.04)
     main.set_ylim(low / room, min(high * room, 1.03) if high <= 1 else high * room)
     low, high = (min(costs), max(costs)) if len(costs) else (1, 10)
+    if cost == "time_mean_ns" and (known := _intervals(points)).any():
+        low, high = min(low, points.time_mean_low_ns[known].min()), max(high, points.time_mean_high_ns[known].max())
     room = max((high / low) ** 0.07, 1.25)
     main.set_xlim(low / room, high * room)
     for axis, limits, least, shown in (

@@ -110,8 +110,9 @@ def foreign(runs):
                 "status": told.get("status", ""), "steps": told.get("steps_done", 0), "reason": told.get("reason", ""),
             })
     caption = (
-        "Their time is their own, taken by a clock in their process around the work for a step; the wall time of question"
-        " and answer, its mean over steps here, bounds it. A library is called in a process of its own, a program asked"
+        "Their time is their own, taken by a clock in their process around the work for a step; the wall time of"
+        " question and answer, its mean over steps here, bounds it. A library is called in a process of its own, a"
+        " program asked"
         " through pipes."
     )
     return Section("Methods of others", [Table("Who answered, and how", pd.DataFrame(rows), caption)]) if rows else None
@@ -248,7 +249,7 @@ def doubtful_times(run):
         share = table.time_mean_ns / table.processor_mean_ns - 1
         late = share[share > DISTURBED]
         if len(late):
-            each = listed(f"{label} by {100 * value:.2g} %" for label, value in late.items())
+            each = listed(f"{label} by {number(100 * value)} %" for label, value in late.items())
             lines.append(f"the run was disturbed: wall time is above the processor's own, of {each}; time again on an "
                          "idle"
                          " machine.")

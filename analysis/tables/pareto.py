@@ -16,8 +16,9 @@ class Scene:
     """Results that ask the same question: motion and truth are the same bit for bit, so errors compare.
 
     points: one row per label: label (unique), algorithm, file, knobs (dict), scope, promise, unit (of operations),
-    exact and library (bool), machine (host, processor and build as one text: times compare only within one), times
-    (per step, ns; empty when the file has none), floor (an Interval or None: the noise floor of its file), error,
+    exact and library (bool), asked (how, of a method of others), machine (host, processor and build as one text: times
+    compare only within one), times (per step, ns; empty when the file has none), floor (an Interval
+    or None: the noise floor of its file), error,
     hits, true_positive, ..., time_mean_ns, time_median_ns, time_p95_ns, operations (per step), promise_kept.
     """
 
@@ -46,7 +47,8 @@ def name(run):
 
 
 def how_asked(answers):
-    """" (program, Python)" of a method of others: its times are drawn beside those of others only where this is said."""
+    """" (program, Python)" of a method of others: its times are drawn beside those of others only where this is
+    said."""
     how = [answers.get("transport", ""), answers.get("language", "").partition(" ")[0].rstrip(",")]
     return f" ({', '.join(filter(None, how))})" if how[0] else ""
 
@@ -57,6 +59,11 @@ def machine(answers):
     commit, dirty, _ = commit.partition("-")
     place = f"{answers.get('processor', '?')} on {answers.get('host', '?')}"
     return f"{place}, {commit[:7]}{dirty and '-dirty'} {rest}".strip()
+
+
+def asked(answers):
+    """How a method of others was asked and what it is written in: "imported, Fortran"; "" of one of the program."""
+    return ", ".join(filter(None, (answers.get("transport"), answers.get("language"))))
 
 
 def _points(runs):
@@ -82,6 +89,7 @@ def _points(runs):
                     "exact": answers.get("promise") == "exact",
                     "library": bool(answers.get("library")),
                     "machine": machine(answers),
+                    "asked": asked(answers),
                     "times": run.step_times.get(label, np.zeros(0)),
                     "floor": run.noise,
                 }

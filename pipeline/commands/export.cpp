@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pipeline/commands/command.hpp"
+#include "pipeline/commands/export_csv.hpp"
 #include "pipeline/commands/export_folder.hpp"
 #include "pipeline/result/output_file.hpp"
 #include "pipeline/result/provenance.hpp"
@@ -263,23 +264,36 @@ fs::path write_vtk(const Result& result, const ExportOptions& options) {
 
 void add_export(CLI::App& program, int& code) {
   struct Options : ExportOptions {
-    std::string file, steps_text = ":", folder_text;
+    std::string file, steps_text = ":", folder_text, csv_text;
     bool unsealed = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App& command = *program.add_subcommand("export", "Write steps as VTP files that ParaView opens");
+  CLI::App& command = *program.add_subcommand("export", "Write a result for other programs: ParaView, or any engine");
   add_file(command, o->file);
   command.add_option("--vtk", o->folder_text, "Folder for the files and their .pvd index")
       ->option_text("DIR")
-      ->required()
       ->check(must_name("a folder"));
+  command.add_option("--csv", o->csv_text, "Folder for meshes as OBJ, bodies.csv and poses.csv of all steps")
+      ->option_text("DIR")
+      ->check(must_name("a folder"))
+      ->excludes("--vtk");
   add_steps(command, o->steps_text);
   command.add_flag("--force", o->force, "Replace an earlier export in the folder");
   command.add_flag("--quiet", o->quiet, "No progress on stderr; the index's path is printed alone");
   add_unsealed(command, o->unsealed);
-  command.callback([o, &code] {
+  command.callback([o, &code, &command] {
+    if (o->folder_text.empty() && o->csv_text.empty())
+      throw Error(kUsage, "--vtk or --csv is required; see pipeline export --help");
+    if (!o->csv_text.empty() && command.count("--steps") > 0)
+      throw Error(kUsage, "--steps: is of --vtk; --csv writes all steps");
     stop_on_signals();
     const Result result = whole_result(o->file, o->unsealed);
+    if (!o->csv_text.empty()) {
+      for (const fs::path& made : write_csv(result, {o->csv_text, o->force}))
+        put((fs::path(o->csv_text) / made).string() + "\n");
+      code = kDone;
+      return;
+    }
     o->folder = o->folder_text;
     o->name = export_name(o->file);
     o->steps = step_range(o->steps_text, result.steps(), o->file);

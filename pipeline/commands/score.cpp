@@ -24,12 +24,24 @@ namespace {
 using Json = nlohmann::json;  // objects are sorted by key
 
 constexpr char kKind[] = "collision benchmark baseline";
-constexpr char kTimeRatio[] = "time_ratio";
+constexpr char kTimeRatio[] = "time_ratio", kSetupRatio[] = "setup_ratio", kMemory[] = "memory_bytes";
+/// What --times records beside the rest; never compared exactly.
+constexpr const char* kCosts[] = {kTimeRatio, kSetupRatio, kMemory};
 constexpr char kRemedy[] = "name a file that `pipeline score --write` made";
 
 double median_of(std::vector<double> values) {
   std::ranges::sort(values);
   return median(values);
+}
+
+bool is_cost(std::string_view key) {
+  return std::ranges::any_of(kCosts, [&](const char* cost) { return key == cost; });
+}
+
+/// Of the values that are known; NaN when none is.
+double median_of_known(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return !(value > 0); });
+  return values.empty() ? Costs::kUnknown : median_of(std::move(values));
 }
 
 /// Three digits: a fourth would be noise, and change at every recording.
@@ -50,9 +62,11 @@ Json baseline_of(const Result& result, bool times) {
   if (result.truth.lists_contained()) json["truth"]["contained"] = result.truth.contained.pair.size();
   for (const Product& product : products())
     if (product.figures && product.has(result)) product.figures(result, json["truth"]);
-  std::vector<double> means;
-  for (const Summary& row : result.summary)
-    if (!std::isnan(row.time_mean_ns)) means.push_back(row.time_mean_ns);
+  std::vector<double> means, setups;
+  for (const Summary& row : result.summary) {
+    means.push_back(row.time_mean_ns);
+    setups.push_back(row.setup_ns.value_or(Costs::kUnknown));
+  }
   for (std::size_t a = 0; a < result.answers.size(); ++a) {
     const Answers& answers = result.answers[a];
     const Summary& row = result.summary[a];
@@ -71,7 +85,13 @@ Json baseline_of(const Result& result, bool times) {
     if (row.contained_hit) of["contained_hit"] = *row.contained_hit;
     for (const Product& product : products())
       if (product.label_figures && product.has(result)) product.label_figures(result, a, of);
-    if (times && !std::isnan(row.time_mean_ns)) of[kTimeRatio] = rounded(row.time_mean_ns / median_of(means));
+    if (!times) continue;
+    const auto put = [&](const char* key, double value) {
+      if (value > 0) of[key] = rounded(value);  // else it is not known
+    };
+    put(kTimeRatio, means[a] / median_of_known(means));
+    put(kSetupRatio, setups[a] / median_of_known(setups));
+    put(kMemory, row.memory_greatest_bytes.value_or(Costs::kUnknown));
   }
   return json;
 }
@@ -91,9 +111,7 @@ void check(const Json& json, const std::string& place) {
     for (const auto& [key, value] : object.items()) {
       const bool text =
           key.ends_with("digest") || std::ranges::any_of(kTexts, [&](const char* name) { return key == name; });
-      if (key == kTimeRatio ? !(value.is_number() && value > 0)
-          : text            ? !value.is_string()
-                            : !value.is_number_unsigned())
+      if (is_cost(key) ? !(value.is_number() && value > 0) : text ? !value.is_string() : !value.is_number_unsigned())
         throw bad(place, one_line(of + "." + key) + " has a value of another kind");
     }
     for (const char* key : required)
@@ -132,7 +150,7 @@ std::string as_text(const Json& value) { return value.is_string() ? value.get<st
 
 void compare(const std::string& of, const Json& before, const Json& now, std::vector<Change>& out) {
   const auto add = [&](const std::string& key, const Json* old, const Json* fresh) {
-    if (key == kTimeRatio || (old && fresh && *old == *fresh)) return;
+    if (is_cost(key) || (old && fresh && *old == *fresh)) return;
     Change change{of, key, old ? as_text(*old) : "", fresh ? as_text(*fresh) : "", std::nullopt};
     if (old && fresh && old->is_number() && fresh->is_number())
       change.by = std::int64_t(fresh->get<std::uint64_t>() - old->get<std::uint64_t>());
@@ -151,6 +169,12 @@ void compare_times(const Json& before, const Json& now, const std::string& place
     if (!figures.contains(kTimeRatio))
       throw Error(kFile, place + ": has no times of '" + one_line(label) + "'; record them with --write --times");
     out.times.push_back({label, figures[kTimeRatio].get<double>(), now[label][kTimeRatio].get<double>()});
+    const auto factor = [&](const char* key) {
+      const bool both = figures.contains(key) && now[label].contains(key);
+      return both ? now[label][key].get<double>() / figures[key].get<double>() : Costs::kUnknown;
+    };
+    out.times.back().setup = factor(kSetupRatio);
+    out.times.back().memory = factor(kMemory);
   }
   if (out.times.empty()) return;
   // Each over the median of those that both have: a new label does not shift the others.
@@ -233,6 +257,8 @@ std::string score_text(const Score& score, const std::string& baseline) {
     text += print("%s: time %.3g -> %.3g of the median (x %.2f)", time.label.c_str(), time.before, time.now,
                   time.now / time.before);
     const bool beyond = std::ranges::find(score.beyond_tolerance, time.label) != score.beyond_tolerance.end();
+    if (!std::isnan(time.setup)) text += print(", set-up x %.2f", time.setup);
+    if (!std::isnan(time.memory)) text += print(", memory x %.2f", time.memory);
     text += beyond ? ", beyond the tolerance\n" : "\n";
   }
   if (score.written) return text + baseline + ": recorded\n";
@@ -257,8 +283,12 @@ std::string score_json(const Score& score, const std::string& file, const std::s
   }
   if (!score.times.empty()) json["times"] = Ordered::array();
   for (const TimeChange& time : score.times)
-    json["times"].push_back(
-        {{"label", time.label}, {"before", time.before}, {"now", time.now}, {"factor", time.now / time.before}});
+    json["times"].push_back({{"label", time.label},
+                             {"before", time.before},
+                             {"now", time.now},
+                             {"factor", time.now / time.before},
+                             {"setup_factor", time.setup},
+                             {"memory_factor", time.memory}});
   if (!score.times.empty()) json["beyond_tolerance"] = score.beyond_tolerance;
   return dumped(json);
 }

@@ -36,6 +36,8 @@ struct Change {
 struct TimeChange {
   std::string label;
   double before = 0, now = 0;  // time ratios over the algorithms that both have
+  // How set-up (over the median of all) and memory have changed, as factors; NaN: not in both. Shown, never judged.
+  double setup = Costs::kUnknown, memory = Costs::kUnknown;
 };
 
 struct Score {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "pipeline/commands/command.hpp"
 #include "pipeline/config.hpp"
@@ -26,8 +27,11 @@ std::string foreign_text(const Result& result) {
     if (!answers.foreign) continue;
     const ForeignFacts& facts = *answers.foreign;
     text += answers.label + ": " + facts.transport;
-    for (const std::string* part : {&facts.command, &facts.version, &facts.language, &facts.precision})
-      if (!part->empty()) text += (part == &facts.command ? " " : ", ") + one_line(*part, 200);
+    if (!facts.command.empty()) text += " " + one_line(facts.command, 200);
+    text += "; " + answers.name;
+    if (!facts.version.empty()) text += " " + one_line(facts.version, 200);
+    if (!facts.language.empty()) text += ", " + one_line(facts.language, 200);
+    if (!facts.precision.empty()) text += ", " + one_line(facts.precision, 200) + " precision";
     if (facts.threads != 1) text += ", " + std::to_string(facts.threads) + " threads";
     text += '\n';
     if (failed(answers))
@@ -35,6 +39,40 @@ std::string foreign_text(const Result& result) {
               " steps, whose sums these are: " + one_line(facts.reason, 1000) + "\n";
   }
   return text.empty() ? text : text + "\n";
+}
+
+/// "66.1 us to 70.3 us", or "-" where there is none.
+std::string interval_text(const std::optional<double>& low, const std::optional<double>& high) {
+  if (!low || !high || std::isnan(*low) || std::isnan(*high)) return "-";
+  return time_text(*low) + " to " + time_text(*high);
+}
+
+std::string heap_text(const std::optional<double>& bytes) {
+  return bytes && *bytes >= 0 ? bytes_text(std::uint64_t(*bytes)) : "-";
+}
+
+/// What makes times doubtful; a line each.
+std::string times_text(const Result& result) {
+  constexpr double kDisturbed = 1.02;  // of the processor's time: more wall time than that was not the algorithm's
+  std::string text, disturbed, few;
+  std::set<std::int64_t> pinned;
+  const auto add = [](std::string& list, const std::string& label) { list += (list.empty() ? "" : ", ") + label; };
+  for (std::size_t a = 0; a < result.answers.size(); ++a) {
+    const Summary& row = result.summary[a];
+    const std::string& label = result.answers[a].label;
+    const double share = row.time_mean_ns / row.processor_mean_ns.value_or(row.time_mean_ns);
+    if (share > kDisturbed) add(disturbed, label + print(" by %.1f %%", 100 * (share - 1)));
+    if (row.time_mean_ns > row.time_p95_ns) add(few, label);
+    if (const std::int64_t number = result.answers[a].machine.pinned; number >= 0) pinned.insert(number);
+  }
+  for (const std::int64_t number : pinned) text += "timed on processor " + std::to_string(number) + " alone\n";
+  if (!disturbed.empty())
+    text +=
+        "DISTURBED: the wall time is above the processor's own, of " + disturbed + "; time again on an idle machine\n";
+  if (!few.empty())
+    text +=
+        "the mean time lies above its 95th percentile, of " + few + ": a few steps or a disturbance take most of it\n";
+  return text.empty() ? "" : text + "\n";
 }
 
 Json foreign_json(const Answers& answers) {
@@ -115,6 +153,7 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
                                   {"operations_unit", answers.operations_unit},
                                   {"library", answers.library}});
     if (answers.foreign) json["algorithms"].back()["foreign"] = foreign_json(answers);
+    if (answers.machine.pinned >= 0) json["algorithms"].back()["pinned"] = answers.machine.pinned;
     each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
       if constexpr (!is_optional<T>)
         json["algorithms"].back()[column.name] = row.*column.member;
@@ -148,8 +187,8 @@ std::string result_text(const Result& result, bool digests) {
   text += "\n";
 
   std::vector<std::vector<std::string>> rows = {{"algorithm", "key", "scope", "error", "false positive",
-                                                 "false negative", "hits", "mean time", "p95 time", "operations",
-                                                 "promise"}};
+                                                 "false negative", "hits", "mean time", "95 % interval", "p95 time",
+                                                 "set-up", "memory", "operations", "promise"}};
   const bool counts_contained = result.truth.containment == Containment::record;
   if (counts_contained) rows[0].push_back("contained hits");
   for (std::size_t a = 0; a < result.answers.size(); ++a) {
@@ -157,14 +196,17 @@ std::string result_text(const Result& result, bool digests) {
     const Summary& row = result.summary[a];
     rows.push_back({answers.label, answers.thesis_key, answers.scope, share_text(row.error),
                     std::to_string(row.false_positive), std::to_string(row.false_negative), std::to_string(row.hits),
-                    time_text(row.time_mean_ns), time_text(row.time_p95_ns), std::to_string(row.operations),
+                    time_text(row.time_mean_ns), interval_text(row.time_mean_low_ns, row.time_mean_high_ns),
+                    time_text(row.time_p95_ns), time_text(row.setup_ns.value_or(Costs::kUnknown)),
+                    heap_text(row.memory_greatest_bytes), std::to_string(row.operations),
                     answers.promise == "none" ? "-" : answers.promise + (row.promise_kept ? " kept" : " BROKEN")});
     if (counts_contained) rows.back().push_back(std::to_string(row.contained_hit.value_or(0)));
   }
   text += aligned(rows);
   text +=
       "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
-      "per step\n\n";
+      "per step, set-up is once; memory is heap at the most\n\n";
+  text += times_text(result);
   text += foreign_text(result);
 
   for (const Product& product : products())

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "pipeline/system/file_bytes.hpp"
+#include "pipeline/system/heap.hpp"
 
 namespace pipeline {
 namespace {
@@ -33,9 +34,14 @@ class Host {
 
   std::string answer(std::string_view kind, std::string_view content) {
     if (kind == "HELO") {
-      const auto start = Clock::now();
-      hosted_ = make_();
-      hosted_.about.setup_ns = nanoseconds(Clock::now() - start).count();
+      HeapCount heap;
+      {
+        const CountingHeap counting(heap);
+        const auto start = Clock::now();
+        hosted_ = make_();
+        hosted_.about.setup_ns = nanoseconds(Clock::now() - start).count();
+      }
+      if (counts_heap()) hosted_.about.memory_bytes = heap.held;
       return frame("HELO", text_of(hosted_.about));
     }
     if (!hosted_.method) throw Fault("asked before the hello");

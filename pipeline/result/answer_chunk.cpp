@@ -1,6 +1,7 @@
 #include "pipeline/result/answer_chunk.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pipeline/result/columns.hpp"
 
@@ -44,10 +45,16 @@ void append_facts(const Answers& more, Answers& answers) {
   if (!before.reason.empty()) answers.foreign->reason = before.reason;
 }
 
+void append_costs(const Costs& more, Costs& costs) {
+  for (const auto cost : {&Costs::setup_ns, &Costs::memory_bytes, &Costs::memory_greatest_bytes})
+    costs.*cost = std::fmax(costs.*cost, more.*cost);  // the known one where the other is NaN
+}
+
 }  // namespace
 
 void put_steps(const Answers& answers, std::int64_t first, std::int64_t last, ChunkWriter& out) {
   put_facts(answers, first, last, out);
+  out.put(std::vector<Costs>{answers.costs});
   PairLists hits;
   for (std::int64_t step = first; step < last; ++step) hits.append(answers.hits.at(std::size_t(step)));
   out.put(hits.offset);
@@ -64,6 +71,7 @@ void put_steps(const Answers& answers, std::int64_t first, std::int64_t last, Ch
 Answers get_steps(ChunkReader& in, std::int64_t steps, std::uint64_t bodies) {
   Answers answers;
   get_facts(in, answers);
+  answers.costs = in.get<Costs>(1)[0];
   answers.hits.offset = in.get<std::uint64_t>();
   answers.hits.pair = in.get<Pair>();
   in.require(sound(answers.hits, std::uint64_t(steps), bodies));
@@ -77,6 +85,7 @@ Answers get_steps(ChunkReader& in, std::int64_t steps, std::uint64_t bodies) {
 
 void append_steps(const Answers& more, Answers& answers) {
   append_facts(more, answers);
+  append_costs(more.costs, answers.costs);
   answers.hits.append_steps(more.hits);
   each_answer_column([&](const auto& column) {
     const auto& values = more.*column.member;

@@ -35,6 +35,9 @@ inline constexpr Column<Answers, std::vector<std::int64_t>> kAnswerTimes[] = {
     {"time_median_ns", &Answers::time_median_ns, "ns", "median repeat of the step, preparation included"},
     {"prepare_ns", &Answers::prepare_ns, "ns",
      "part of the fastest repeat: what is made ready for all bodies before the first pair"},
+    {"processor_ns", &Answers::processor_ns, "ns",
+     "processor time of the fastest repeat; where time_ns is more, the processor did other work; 0: not taken",
+     /*optional=*/true},
     {"exchange_ns", &Answers::exchange_ns, "ns",
      "of the fastest repeat, wall time of question and answer of a method in a process of its own; 0: of no such "
      "method",
@@ -97,6 +100,15 @@ inline constexpr Column<Summary, double> kSummaryReals[] = {
     {"time_mean_ns", &Summary::time_mean_ns, "ns", "mean over steps of the fastest repeat"},
     {"time_median_ns", &Summary::time_median_ns, "ns", "median over steps of the fastest repeat"},
     {"time_p95_ns", &Summary::time_p95_ns, "ns", "95th percentile over steps of the fastest repeat"}};
+inline constexpr Column<Summary, std::optional<double>, double> kSummaryOptionalReals[] = {
+    {"time_mean_low_ns", &Summary::time_mean_low_ns, "ns",
+     "lower end of a 95 % interval of time_mean_ns, by a block bootstrap over steps; NaN: too few steps"},
+    {"time_mean_high_ns", &Summary::time_mean_high_ns, "ns",
+     "upper end of a 95 % interval of time_mean_ns, by a block bootstrap over steps; NaN: too few steps"},
+    {"processor_mean_ns", &Summary::processor_mean_ns, "ns", "mean over steps of processor_ns; NaN: not taken"},
+    {"setup_ns", &Summary::setup_ns, "ns", "construction for the bodies of the run; NaN: not known"},
+    {"memory_bytes", &Summary::memory_bytes, "B", "heap held after construction; NaN: not known"},
+    {"memory_greatest_bytes", &Summary::memory_greatest_bytes, "B", "heap held at the most; NaN: not known"}};
 inline constexpr Column<Summary, bool, std::uint8_t> kSummaryKept{"promise_kept", &Summary::promise_kept, "1",
                                                                   "0 when a promise was broken"};
 
@@ -109,6 +121,7 @@ template <typename Each>
 void each_summary_column(const Each& each) {
   for (const auto& column : kSummaryCounts) each(column);
   for (const auto& column : kSummaryReals) each(column);
+  for (const auto& column : kSummaryOptionalReals) each(column);
   each(kSummaryKept);
   for (const auto& column : kSummaryOptionalCounts) each(column);
 }

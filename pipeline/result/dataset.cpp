@@ -30,6 +30,22 @@ std::uint64_t Dataset::elements() const {
   return std::accumulate(shape.begin(), shape.end(), std::uint64_t{1}, std::multiplies<>());
 }
 
+void each_part(const Dataset& dataset, std::uint64_t multiple,
+               const std::function<void(std::uint64_t first, std::span<const std::byte> bytes)>& each) {
+  if (!dataset.rows) return each(0, dataset.bytes);
+  constexpr std::uint64_t kPart = 1 << 20;  // bytes, about
+  const std::uint64_t rows = dataset.shape.at(0);
+  const std::uint64_t row_bytes = dataset.elements() / std::max<std::uint64_t>(rows, 1) * size_of(dataset.type);
+  const std::uint64_t part =
+      multiple * std::max<std::uint64_t>(1, kPart / std::max<std::uint64_t>(multiple * row_bytes, 1));
+  for (std::uint64_t first = 0; first < rows; first += part) {
+    const std::uint64_t last = std::min(first + part, rows);
+    const std::vector<std::byte> bytes = dataset.rows(first, last);
+    assert(bytes.size() == (last - first) * row_bytes && "the rows asked for");
+    each(first, bytes);
+  }
+}
+
 std::string_view base_name(std::string_view path) { return path.substr(path.rfind('/') + 1); }
 
 Dataset described(std::string path, Type type, const std::vector<Dimension>& dims, std::string units,

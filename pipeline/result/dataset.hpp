@@ -6,6 +6,8 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <ranges>
 #include <span>
 #include <string>
@@ -60,6 +62,9 @@ struct Dataset {
   bool grows = false;  // of scales: the dimension is unlimited
   std::vector<Attribute> attributes;
   std::vector<std::byte> owned;
+  /// Of what is too large to be laid out beside what it is made of: gives the rows first, ..., last - 1. Then `bytes`
+  /// is empty.
+  std::function<std::vector<std::byte>(std::uint64_t first, std::uint64_t last)> rows;
 
   Dataset() = default;
   Dataset(Dataset&&) = default;
@@ -67,6 +72,11 @@ struct Dataset {
 
   std::uint64_t elements() const;
 };
+
+/// Tells `each` the values of a dataset of numbers, part after part: the first row of a part and its bytes. What lies
+/// in memory is one part; of others every part but the last has a multiple of `multiple` rows.
+void each_part(const Dataset& dataset, std::uint64_t multiple,
+               const std::function<void(std::uint64_t first, std::span<const std::byte> bytes)>& each);
 
 /// One group, its attributes and the datasets directly in it.
 struct Group {
@@ -136,6 +146,12 @@ Dataset bare_scale(const Dimension& dim, std::string long_name, bool grows = fal
 void add_pairs(Group& group, const PairLists& hits, const std::string& what, const Sizes& n,
                const std::string& prefix = "");
 
+/// What stands for a value that a row does not have.
+template <typename T>
+constexpr T kAbsent{};
+template <>
+constexpr double kAbsent<double> = std::numeric_limits<double>::quiet_NaN();
+
 /// A column of rows.
 template <typename Row, typename T, typename Stored>
 Dataset of_rows(const std::string& group, const Column<Row, T, Stored>& column, const std::vector<Row>& rows,
@@ -143,7 +159,7 @@ Dataset of_rows(const std::string& group, const Column<Row, T, Stored>& column, 
   std::vector<Stored> values;
   for (const Row& one : rows) {
     if constexpr (is_optional<T>)
-      values.push_back(static_cast<Stored>((one.*column.member).value_or(Stored{})));
+      values.push_back(static_cast<Stored>((one.*column.member).value_or(kAbsent<Stored>)));
     else
       values.push_back(static_cast<Stored>(one.*column.member));
   }

@@ -85,10 +85,12 @@ void Digest::add(const Dataset& dataset) {
   add(type_name(dataset.type));
   add(std::uint64_t{dataset.shape.size()});
   for (const std::uint64_t size : dataset.shape) add(size);
-  if (dataset.type == Type::f64)
-    add_doubles(*this, dataset.bytes);
-  else
-    add(dataset.bytes);
+  each_part(dataset, 1, [&](std::uint64_t, std::span<const std::byte> bytes) {
+    if (dataset.type == Type::f64)
+      add_doubles(*this, bytes);
+    else
+      add(bytes);
+  });
   for (const std::string& text : dataset.text) add(std::string_view(text));
 }
 
@@ -99,7 +101,7 @@ std::string Digest::hex() const {
 }
 
 bool is_digested(const Dataset& dataset) {
-  if (dataset.path == "/config" || dataset.path.ends_with("_ns")) return false;
+  if (dataset.path == "/config" || dataset.path.ends_with("_ns") || dataset.path.ends_with("_bytes")) return false;
   return dataset.scale == Scale::none || dataset.path == "/step" || dataset.path == "/body" ||
          dataset.path == "/algorithm";
 }

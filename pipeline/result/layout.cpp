@@ -2,8 +2,11 @@
 #include "pipeline/result/layout.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "pipeline/result/product.hpp"
 
@@ -115,22 +118,35 @@ Group mesh(const geometry::Mesh& mesh, std::optional<double> closed_within) {
   return group;
 }
 
-Group motion(const Result& result, const Sizes& n) {
-  std::vector<double> position, orientation;
-  position.reserve(n.step.size * n.body.size * 3);
-  orientation.reserve(n.step.size * n.body.size * 4);
-  for (const auto& poses : result.motion) {
-    assert(poses.size() == n.body.size && "a pose for every body at every step");
-    for (const geometry::Pose& pose : poses) {
-      position.insert(position.end(), {pose.t.x(), pose.t.y(), pose.t.z()});
-      orientation.insert(orientation.end(), {pose.q.w, pose.q.x, pose.q.y, pose.q.z});
+/// A dataset of some reals of every pose, as `put` copies them out of it. The motion is most of a large result and is
+/// not laid out a second time.
+Dataset of_poses(const Result& result, std::string path, const std::vector<Dimension>& dims, std::string units,
+                 std::string long_name, void (*put)(const geometry::Pose& pose, double* to)) {
+  Dataset dataset = described(std::move(path), Type::f64, dims, std::move(units), std::move(long_name));
+  const std::size_t size = dims.back().size;
+  dataset.rows = [&result, size, put](std::uint64_t first, std::uint64_t last) {
+    const std::size_t bodies = result.bodies.size();
+    std::vector<std::byte> bytes((last - first) * bodies * size * sizeof(double));
+    auto* to = reinterpret_cast<double*>(bytes.data());
+    for (std::uint64_t step = first; step < last; ++step) {
+      assert(result.motion[step].size() == bodies && "a pose for every body at every step");
+      for (const geometry::Pose& pose : result.motion[step]) put(pose, std::exchange(to, to + size));
     }
-  }
+    return bytes;
+  };
+  return dataset;
+}
+
+Group motion(const Result& result, const Sizes& n) {
   Group group{"/motion", {}, {}, true};
-  group.datasets.push_back(owning("/motion/position", position, {n.step, n.body, n.axis}, "m",
-                                  "positions of the bodies' frames; NaN: not born, or the integration failed"));
-  group.datasets.push_back(owning("/motion/orientation", orientation, {n.step, n.body, n.component}, "1",
-                                  "unit quaternions, scalar first; NaN: not born, or the integration failed"));
+  group.datasets.push_back(of_poses(result, "/motion/position", {n.step, n.body, n.axis}, "m",
+                                    "positions of the bodies' frames; NaN: not born, or the integration failed",
+                                    [](const geometry::Pose& pose, double* to) { std::copy_n(pose.t.data(), 3, to); }));
+  group.datasets.push_back(of_poses(result, "/motion/orientation", {n.step, n.body, n.component}, "1",
+                                    "unit quaternions, scalar first; NaN: not born, or the integration failed",
+                                    [](const geometry::Pose& pose, double* to) {
+                                      std::ranges::copy(std::array{pose.q.w, pose.q.x, pose.q.y, pose.q.z}, to);
+                                    }));
   return group;
 }
 
@@ -199,6 +215,13 @@ Group answers(const Answers& answers, const Sizes& n) {
                                                      {"status", std::string(failed(answers) ? "failed" : "complete")},
                                                      {"reason", foreign->reason},
                                                      {"steps_done", foreign->steps_done}});
+  if (answers.machine.pinned >= 0) group.attributes.push_back({"pinned", answers.machine.pinned});
+  const auto cost = [&](const char* name, double value) {
+    if (!std::isnan(value)) group.attributes.push_back({name, static_cast<std::int64_t>(value)});
+  };
+  cost("setup_ns", answers.costs.setup_ns);
+  cost("memory_bytes", answers.costs.memory_bytes);
+  cost("memory_greatest_bytes", answers.costs.memory_greatest_bytes);
   add_pairs(group, answers.hits, "pairs of bodies that the algorithm reported", n);
   return group;
 }

@@ -79,9 +79,9 @@ void OutputFile::refuse_changed() const {
                          "run the same command again");
 }
 
-void OutputFile::write(std::span<const std::byte> bytes) {
+void OutputFile::write(std::span<const std::byte> bytes, std::string_view end) {
   try {
-    file_->write({{reinterpret_cast<const char*>(bytes.data()), bytes.size()}});
+    file_->write({{reinterpret_cast<const char*>(bytes.data()), bytes.size()}, end});
     if (existing_ == Existing::update) refuse_changed();
     file_->place(existing_ == Existing::replace || before_);
   } catch (const FileFailure& failure) {

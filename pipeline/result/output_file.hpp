@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "pipeline/system/file_bytes.hpp"
 
@@ -28,8 +29,8 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Writes the whole file beside its place, reads it back and renames it. Once.
-  void write(std::span<const std::byte> bytes);
+  /// Writes the whole file, `bytes` and then `end`, beside its place, reads it back and renames it. Once.
+  void write(std::span<const std::byte> bytes, std::string_view end = {});
 
  private:
   /// An empty file beside the place, locked; the same name for all, and gone when nobody writes.

@@ -52,6 +52,17 @@ std::optional<Containment> containment_of(std::string_view text);
 /// The machine and build that timed something.
 struct Machine {
   std::string host, processor, build, date;  // processor: and what changes its frequency, if something does
+  std::int64_t pinned = -1;                  // the one processor that was allowed, by number; -1: all
+};
+
+/// What a label costs besides its time per step; NaN: not known. Of several set-ups (of extremes, of a resumed run) the
+/// greatest counts.
+struct Costs {
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+  double setup_ns = kUnknown;               // of its construction for the bodies of the run
+  double memory_bytes = kUnknown;           // of heap that it holds after that
+  double memory_greatest_bytes = kUnknown;  // and the most at any time
 };
 
 /// What is known of a method of others beside its answers.
@@ -72,10 +83,12 @@ struct Answers {
   std::string library;                  // name and version of somebody else's that answered; empty: none
   std::optional<ForeignFacts> foreign;  // of a method of others
   Machine machine;
+  Costs costs;
   PairLists hits;
   // columns, S
   std::vector<std::int64_t> time_ns, time_median_ns, prepare_ns;
-  std::vector<std::int64_t> exchange_ns;  // S of a method in a process of its own, else empty
+  std::vector<std::int64_t> processor_ns;  // S where it was taken, else empty
+  std::vector<std::int64_t> exchange_ns;   // S of a method in a process of its own, else empty
   std::vector<std::uint64_t> operations, true_positive, false_positive, false_negative, rounding_miss;
   std::vector<std::uint64_t> contained_hit;  // S with Containment::record, else empty
 };
@@ -84,11 +97,15 @@ struct Answers {
 inline bool failed(const Answers& answers) { return answers.foreign && !answers.foreign->reason.empty(); }
 
 /// One row of /summary. A ratio 0/0 is NaN, but the error is then 0. hits = true_positive + false_positive +
-/// contained_hit.
+/// contained_hit. Times are NaN of what was not timed; what is absent was not known to the program that wrote it.
 struct Summary {
   std::uint64_t hits = 0, true_positive = 0, false_positive = 0, false_negative = 0, operations = 0;
   double error = 0, precision = 0, recall = 0, matthews = 0;
   double time_mean_ns = 0, time_median_ns = 0, time_p95_ns = 0;
+  std::optional<double> time_mean_low_ns = std::nullopt,
+                        time_mean_high_ns = std::nullopt;  // a 95 % interval of the mean
+  std::optional<double> processor_mean_ns = std::nullopt;
+  std::optional<double> setup_ns = std::nullopt, memory_bytes = std::nullopt, memory_greatest_bytes = std::nullopt;
   bool promise_kept = true;
   std::optional<std::uint64_t> contained_hit = std::nullopt;  // with Containment::record
 };

@@ -1,4 +1,4 @@
-// The result file: HDF5, laid out as pipeline/FILE.md says. The only place, with h5.hpp, that knows HDF5.
+// The result file: HDF5, laid out as pipeline/FILE.md says. What knows HDF5 is in pipeline/result/hdf5/.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -49,6 +49,13 @@ Input read_input(SceneConfig& config, const std::string& written, const std::str
   return input;
 }
 
+void refuse_changed(const SceneConfig& before, const SceneConfig& now) {
+  for (const auto& [file, hash] : before.inputs)
+    if (now.inputs.at(file) != hash)
+      throw Error(kInput, one_line((before.path.parent_path() / file).string(), 4096) +
+                              ": was changed since the configuration was read; run again");
+}
+
 MeshInput read_mesh(SceneConfig& config, const std::string& written, const std::string& place,
                     const std::string& name) {
   const Input input = read_input(config, written, place);

@@ -20,6 +20,9 @@ struct Input {
 /// Reads the file that the key at `place` names and keeps its hash. Throws Error(kInput).
 Input read_input(SceneConfig& config, const std::string& written, const std::string& place);
 
+/// Throws Error(kInput) when a file that `now` has read again differs from what `before` read.
+void refuse_changed(const SceneConfig& before, const SceneConfig& now);
+
 struct MeshInput {
   geometry::Mesh mesh;
   std::string path;  // relative to the configuration

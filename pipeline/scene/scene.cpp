@@ -7,13 +7,6 @@
 
 namespace pipeline {
 
-const std::vector<SceneKind>& scene_kinds() {
-  static const std::vector<SceneKind> kinds = {
-      falling_kind(), box_kind(), playground_kind(), replay_kind(), extremes_kind(),
-  };
-  return kinds;
-}
-
 Scene make_scene(const SceneConfig& config) {
   Scene scene = config.scene_kind->make(config);
   scene.bodies.closed_within = config.closed_within;

@@ -1,7 +1,7 @@
 // From a configuration to bodies: meshes, their physical side, and where they are.
 //
-// A kind of scene is a row of scene_kinds() and one file scene_<kind>.cpp: its keys, their text, its size and its
-// bodies.
+// A kind of scene is a row of scene_kinds() and a file of its own: its keys, their text, its size and its bodies. To
+// add one, write kinds/<kind>.hpp and kinds/<kind>.cpp, and its line in kinds/all.cpp.
 #pragma once
 #include <cstdint>
 #include <limits>
@@ -90,7 +90,8 @@ struct SceneKind {
   /// `ahead` has happened; `pressed`: to where bodies are as near each other as they ever come. A guess, of which only
   /// times are foretold. Null: they are like the first.
   void (*hurry)(const SceneConfig& config, std::vector<BodyState>& states, bool pressed) = nullptr;
-  /// Reads the files that the scene names, once, and what follows from them into `config`; null: it names none.
+  /// Reads the files that the scene names and puts what follows from them into `config`, but not what they hold: `make`
+  /// reads them again, and refuses those that were changed since. Null: it names none.
   void (*complete)(SceneConfig& config) = nullptr;
 };
 
@@ -98,13 +99,6 @@ const std::vector<SceneKind>& scene_kinds();
 
 /// The scene of a configuration.
 Scene make_scene(const SceneConfig& config);
-
-// The rows, each from its own file.
-SceneKind falling_kind();
-SceneKind box_kind();
-SceneKind playground_kind();
-SceneKind replay_kind();
-SceneKind extremes_kind();
 
 /// What a run of the configuration's steps leaves out of its scene, as one line; empty: nothing that is known, or no
 /// scene.

@@ -1,7 +1,11 @@
 #include "pipeline/stages/detect.hpp"
 
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -9,6 +13,7 @@
 #include "pipeline/result/answer_chunk.hpp"
 #include "pipeline/result/columns.hpp"
 #include "pipeline/stages/truth.hpp"
+#include "pipeline/system/heap.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
 
@@ -29,14 +34,35 @@ struct Entry {
   std::unique_ptr<Method> method;  // null: of others, and it has failed
   algorithms::Promise promise = algorithms::Promise::none;
   ForeignMethod* foreign = nullptr;  // the method, where it is one of others
+  HeapCount heap = {};               // of a method of this program
+  Costs costs = {};                  // of this set-up
 };
+
+double known(std::int64_t heap_bytes) { return counts_heap() ? double(heap_bytes) : Costs::kUnknown; }
+
+/// By the word of a method of others.
+Costs costs_of(const About& about) {
+  return {.setup_ns = double(about.setup_ns),
+          .memory_bytes = about.memory_bytes < 0 ? Costs::kUnknown : double(about.memory_bytes)};
+}
 
 /// Throws Fault for a method of others.
 Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
+  using Clock = std::chrono::steady_clock;
   try {
-    Entry entry{make_method(choice, bodies), row_of(choice).promise};
+    Entry entry;
+    entry.promise = row_of(choice).promise;
+    std::chrono::nanoseconds spent;
+    {
+      const CountingHeap now(entry.heap);
+      const auto start = Clock::now();
+      entry.method = make_method(choice, bodies);
+      spent = Clock::now() - start;
+    }
     entry.foreign = dynamic_cast<ForeignMethod*>(entry.method.get());
     if (entry.foreign) entry.promise = entry.foreign->about().promise;
+    const double held = known(entry.heap.held);
+    entry.costs = entry.foreign ? costs_of(entry.foreign->about()) : Costs{double(spent.count()), held, held};
     return entry;
   } catch (const std::invalid_argument& error) {
     throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
@@ -61,14 +87,14 @@ void adopt(const About& about, Answers& answers) {
 /// A method of others in the state after `answers`, warmed up by the first step that it will be asked about; or one
 /// that has failed.
 Entry set_up_foreign(const Bodies& bodies, const AlgorithmChoice& choice, std::span<const Pose> poses,
-                     std::int64_t step, Answers& answers) {
+                     Answers& answers) {
   if (failed(answers)) return {};
   ForeignFacts& facts = *answers.foreign;
   try {
     Entry entry = set_up(bodies, choice);
     adopt(entry.foreign->about(), answers);
     entry.foreign->add_waited(facts.waited);
-    entry.foreign->at(std::uint32_t(step));
+    entry.foreign->at(std::uint32_t(answers.hits.steps()));
     entry.foreign->warm_up(poses, geometry::pair_runs(bodies, poses), choice.foreign->warm_up);
     return entry;
   } catch (const Fault& fault) {
@@ -88,8 +114,30 @@ std::uint64_t rounding_misses(Method& method, std::span<const Pose> poses, std::
 }
 
 struct Timing {
-  std::int64_t total_ns, prepare_ns, exchange_ns = 0;
+  std::int64_t total_ns, prepare_ns;
+  std::int64_t processor_ns = 0, exchange_ns = 0;
 };
+
+/// Nanoseconds of processor time that this thread has spent.
+std::int64_t processor_ns() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+/// What looking at the clocks itself takes of it.
+std::int64_t clocks_ns() {
+  static const std::int64_t least = [] {
+    std::int64_t least = std::numeric_limits<std::int64_t>::max();
+    for (int i = 0; i < 1000; ++i) {
+      const std::int64_t before = processor_ns();
+      for (int clock = 0; clock < 3; ++clock) std::chrono::steady_clock::now();
+      least = std::min(least, processor_ns() - before);
+    }
+    return least;
+  }();
+  return least;
+}
 
 Timing timed_pass(Entry& entry, std::span<const Pose> poses, std::span<const PairRun> runs, std::vector<Pair>& hits) {
   using Clock = std::chrono::steady_clock;
@@ -100,14 +148,36 @@ Timing timed_pass(Entry& entry, std::span<const Pose> poses, std::span<const Pai
     method.prepare(poses);
     method.answer(runs, hits);
     const ForeignTime& time = entry.foreign->time();
-    return {time.time_ns, time.prepare_ns, time.exchange_ns};
+    return {.total_ns = time.time_ns, .prepare_ns = time.prepare_ns, .exchange_ns = time.exchange_ns};
   }
+  const CountingHeap counting(entry.heap);
+  const std::int64_t before = processor_ns();
   const auto start = Clock::now();
   method.prepare(poses);
   const auto prepared = Clock::now();
   method.answer(runs, hits);
   const auto answered = Clock::now();
-  return {nanoseconds(answered - start).count(), nanoseconds(prepared - start).count()};
+  const std::int64_t spent = processor_ns() - before - clocks_ns();
+  return {.total_ns = nanoseconds(answered - start).count(),
+          .prepare_ns = nanoseconds(prepared - start).count(),
+          .processor_ns = std::max<std::int64_t>(spent, 1)};
+}
+
+/// Elementary tests, untimed. The memory of the method is counted, but not the list of hits, which is the caller's.
+std::uint64_t counted(Entry& entry, std::span<const Pose> poses, std::span<const PairRun> runs,
+                      std::vector<Pair>& hits) {
+  {
+    const CountingHeap now(entry.heap);
+    entry.method->prepare(poses);
+  }
+  HeapCount with_hits;
+  std::uint64_t operations = 0;
+  {
+    const CountingHeap now(with_hits);
+    operations = entry.method->count(runs, hits);
+  }
+  entry.heap.held += with_hits.held - std::int64_t(heap_bytes(hits.data()));
+  return operations;
 }
 
 /// All or nothing: what throws leaves `out` as it was.
@@ -116,8 +186,7 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
   Method& method = *entry.method;
   if (entry.foreign) entry.foreign->at(std::uint32_t(step));
   std::vector<Pair> hits;
-  method.prepare(poses);
-  const std::uint64_t operations = method.count(runs, hits);
+  const std::uint64_t operations = counted(entry, poses, runs, hits);
   timed_hits.reserve(hits.size());
 
   std::vector<Timing> timings;
@@ -136,29 +205,22 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
   } catch (const std::logic_error& error) {
     throw std::logic_error(out.label + ": step " + std::to_string(step) + ": " + error.what());
   }
-  const std::vector<Pair> truth = all_truth.scoring(step);
-  const std::vector<Pair> missed = without(truth, hits);
-  std::vector<Pair> wrong = without(hits, truth);
+  const std::vector<Pair> missed = without(all_truth.scoring(step), hits);
   const std::uint64_t rounding =
       entry.promise == algorithms::Promise::conservative ? rounding_misses(method, poses, missed) : 0;
 
-  if (all_truth.containment == Containment::record) {
-    const std::size_t reported = wrong.size();
-    wrong = without(wrong, all_truth.contained.at(step));
-    out.contained_hit.push_back(reported - wrong.size());
-  }
+  judge(hits, all_truth, step, out);
+  out.rounding_miss.push_back(rounding);
   out.operations.push_back(operations);
+  out.processor_ns.push_back(timings.front().processor_ns);
+  if (!entry.foreign)
+    out.costs.memory_greatest_bytes = std::fmax(out.costs.memory_greatest_bytes, known(entry.heap.greatest));
   out.time_ns.push_back(timings.front().total_ns);
   out.prepare_ns.push_back(timings.front().prepare_ns);
   if (entry.foreign) out.exchange_ns.push_back(timings.front().exchange_ns);
   const std::size_t middle = timings.size() / 2;
   out.time_median_ns.push_back(timings.size() % 2 ? timings[middle].total_ns
                                                   : (timings[middle - 1].total_ns + timings[middle].total_ns) / 2);
-  out.true_positive.push_back(truth.size() - missed.size());
-  out.false_positive.push_back(wrong.size());
-  out.false_negative.push_back(missed.size());
-  out.rounding_miss.push_back(rounding);
-  out.hits.append(hits);
 }
 
 /// Does what may end a method of others, and ends it then.
@@ -178,12 +240,28 @@ void leave_out_step(const Truth& truth, Answers& out) {
   each_answer_column([&](const auto& column) {
     if (!column.optional) (out.*column.member).push_back(0);
   });
+  out.processor_ns.push_back(0);
   out.exchange_ns.push_back(0);
   if (truth.containment == Containment::record) out.contained_hit.push_back(0);
   out.hits.append({});
 }
 
 }  // namespace
+
+void judge(std::span<const Pair> hits, const Truth& all_truth, std::size_t step, Answers& out) {
+  const std::vector<Pair> truth = all_truth.scoring(step);
+  const std::vector<Pair> missed = without(truth, hits);
+  std::vector<Pair> wrong = without(hits, truth);
+  if (all_truth.containment == Containment::record) {
+    const std::size_t reported = wrong.size();
+    wrong = without(wrong, all_truth.contained.at(step));
+    out.contained_hit.push_back(reported - wrong.size());
+  }
+  out.true_positive.push_back(truth.size() - missed.size());
+  out.false_positive.push_back(wrong.size());
+  out.false_negative.push_back(missed.size());
+  out.hits.append(hits);
+}
 
 void check_hits(std::span<const Pair> hits, std::span<const PairRun> runs) {
   auto run = runs.begin();
@@ -229,8 +307,10 @@ std::map<std::string, About> refuse_unfit(const Bodies& bodies, const std::vecto
 }
 
 std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<Pose>>& poses, const Truth& truth,
-                            const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Machine& machine,
-                            const Checkpoint* part, Progress& progress) {
+                            const std::vector<AlgorithmChoice>& asked, std::int64_t repeats, const Machine& machine,
+                            const Checkpoint* part, Progress& progress, bool noise) {
+  std::vector<AlgorithmChoice> choices = asked;
+  if (noise && !asked.empty()) choices.push_back(asked.front());  // like any other, but with no label of its own
   std::vector<Answers> all;
   for (const AlgorithmChoice& choice : choices) {
     const algorithms::Algorithm& row = row_of(choice);
@@ -267,9 +347,11 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     }
 
     if (entries.empty())
-      for (std::size_t a = 0; a < choices.size(); ++a)
-        entries.push_back(choices[a].foreign ? set_up_foreign(bodies, choices[a], poses[first], first, all[a])
+      for (std::size_t a = 0; a < choices.size(); ++a) {
+        entries.push_back(choices[a].foreign ? set_up_foreign(bodies, choices[a], poses[first], all[a])
                                              : set_up(bodies, choices[a]));
+        if (std::isnan(all[a].costs.setup_ns)) all[a].costs = entries.back().costs;  // else of the run that is resumed
+      }
     for (std::size_t a = 0; a < entries.size(); ++a)  // a resumed run starts here
       guarded(entries[a], all[a], [&] { entries[a].method->forget(); });
     for (std::int64_t step = first; step < last; ++step) {

@@ -28,19 +28,23 @@ std::map<std::string, About> refuse_unfit(const geometry::Bodies& bodies, const 
 /// the method that would be scored as false positives. Both sorted.
 void check_hits(std::span<const geometry::Pair> hits, std::span<const geometry::PairRun> runs);
 
+/// Adds a step's answer, sorted pairs that were asked about, and its score to `out`.
+void judge(std::span<const geometry::Pair> hits, const Truth& truth, std::size_t step, Answers& out);
+
 /// Answers, operations, times and scores of every algorithm of `choices`, in their order. Single-threaded.
 ///
 /// Per step and algorithm one pass counts operations, untimed; then `repeats` passes are timed by a monotonic clock
 /// around prepare and answer, memory being reserved before. The order of the algorithms is reversed at every other
 /// step. What an algorithm remembers of the steps before is the same in all passes of a step, and is emptied before
 /// every chunk of kChunkSteps, so that repeating and resuming change nothing. Chunks that `part` holds are taken from
-/// it; `part` may be null.
+/// it; `part` may be null. With `noise` the first algorithm is asked and timed a second time, as if it were the last of
+/// all: one Answers more, at the end.
 ///
 /// What a method of others does is data (Answers::foreign): one that fails at a step is ended, and answers nothing at
 /// that step and at those after it. Its times are its own, and bounded by those of the exchange. Before its first step
 /// counts, that step is asked some times, so that engines have compiled what they run.
 std::vector<Answers> detect(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
                             const Truth& truth, const std::vector<AlgorithmChoice>& choices, std::int64_t repeats,
-                            const Machine& machine, const Checkpoint* part, Progress& progress);
+                            const Machine& machine, const Checkpoint* part, Progress& progress, bool noise = false);
 
 }  // namespace pipeline

@@ -1,5 +1,7 @@
 // The one way in which algorithms are asked and judged, in a run and in answers that are added later.
 #pragma once
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "pipeline/result/checkpoint.hpp"
@@ -19,6 +21,13 @@ struct Question {
   const Products& known;  // with what is true of those, where that was found before
 };
 
+/// How answers are timed.
+struct TimingRules {
+  std::int64_t repeats = 3;
+  bool noise = false;                    // the first label is timed a second time: the product Noise
+  std::optional<std::int64_t> pin = {};  // the one processor that is used; one that is not there is said, and not used
+};
+
 /// What they said, each in the order of the choices.
 struct Evaluation {
   std::vector<Answers> answers;
@@ -27,7 +36,7 @@ struct Evaluation {
 };
 
 /// Asks, times and judges. Chunks that `part` holds are taken from it; it may be null.
-Evaluation evaluate(const Question& question, const std::vector<AlgorithmChoice>& choices, std::int64_t repeats,
+Evaluation evaluate(const Question& question, const std::vector<AlgorithmChoice>& choices, const TimingRules& timing,
                     const Checkpoint* part, bool quiet, Forecast& forecast);
 
 }  // namespace pipeline

@@ -71,6 +71,7 @@ Answers silence(const Truth& truth, std::size_t steps, bool foreign) {
     if (!column.optional) (out.*column.member).assign(steps, 0);
   });
   if (truth.containment == Containment::record) out.contained_hit.assign(steps, 0);
+  out.processor_ns.assign(steps, 0);
   if (foreign) out.exchange_ns.assign(steps, 0);
   for (std::size_t s = 0; s < steps; ++s) {
     out.hits.append({});

@@ -20,6 +20,7 @@ struct MotionChunk {
 
   std::string bytes() const {
     ChunkWriter out;
+    out.bytes.reserve(samples.size() * sizeof(BodyState) + rows.size() * sizeof(PhysicsSample) + 4096);
     out.put(samples);
     out.put(rows);
     out.put(failure);
@@ -92,6 +93,7 @@ MotionChunk integrate_chunk(const SceneConfig& config, const Scene& scene, const
     return std::make_unique<Integration>(scene, physics, states, double(step) / config.rate, reference);
   };
   MotionChunk chunk;
+  chunk.samples.reserve(std::size_t(last - first) * from.size());
   std::vector<BodyState> states = from;
   std::int64_t step = first;
   try {

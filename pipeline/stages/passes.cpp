@@ -60,12 +60,32 @@ std::uint64_t count(const std::vector<bool>& samples) {
   return std::uint64_t(std::count(samples.begin(), samples.end(), true));
 }
 
+/// The counts of samples, and where `span_in` says that reports of a pass begin and end.
+template <class SpanIn>
+PassAnswers answers_of(const std::vector<Pass>& passes, const Truth& truth, const std::vector<PassRow>& rows,
+                       const Answers& answers, SpanIn span_in) {
+  assert(rows.size() == passes.size() && "a row per pass");
+  PassAnswers out;
+  for (std::size_t p = 0; p < passes.size(); ++p) {
+    const std::vector<bool> meets = samples_in(truth.hits, passes[p]), reported = samples_in(answers.hits, passes[p]);
+    out.hits.push_back(count(reported));
+    std::uint64_t flicker = 0;
+    for (std::size_t i = 1; i < meets.size(); ++i)
+      flicker += meets[i - 1] && meets[i] && reported[i - 1] != reported[i];
+    out.flicker.push_back(flicker);
+    std::optional<Span> span;
+    if (rows[p].truth_hits > 0) span = span_in(passes[p], reported);
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    out.first.push_back(span ? rows[p].truth_first - span->first : kNaN);
+    out.last.push_back(span ? rows[p].truth_last - span->last : kNaN);
+  }
+  return out;
+}
+
 /// Of a method that has not failed. Throws Fault.
 PassAnswers answered(const geometry::Bodies& bodies, const Poses& poses, const Truth& truth,
                      const std::vector<Pass>& passes, const std::vector<PassRow>& rows, const Answers& answers,
                      const AlgorithmChoice& choice, Progress& progress) {
-  assert(rows.size() == passes.size() && "a row per pass");
-  PassAnswers out;
   std::unique_ptr<algorithms::Method> method;
   try {
     method = make_method(choice, bodies);
@@ -73,34 +93,20 @@ PassAnswers answered(const geometry::Bodies& bodies, const Poses& poses, const T
     throw OutOfMemory(choice, bodies);
   }
   std::vector<Pair> found;
-  for (std::size_t p = 0; p < passes.size(); ++p) {
+  return answers_of(passes, truth, rows, answers, [&](const Pass& pass, const std::vector<bool>& reported) {
     stop_if_wanted();
-    const Pass& pass = passes[p];
+    progress.add(1);
     const Pair pair = pair_of(pass);
     const geometry::PairRun run{pair.a, pair.b, pair.b + 1};
-    const std::vector<bool> meets = samples_in(truth.hits, pass), reported = samples_in(answers.hits, pass);
-    out.hits.push_back(count(reported));
-    std::uint64_t flicker = 0;
-    for (std::size_t i = 1; i < meets.size(); ++i)
-      flicker += meets[i - 1] && meets[i] && reported[i - 1] != reported[i];
-    out.flicker.push_back(flicker);
-
     std::vector<Pose> at = poses[std::size_t(pass.first_step)];
-    std::optional<Span> span;
-    if (rows[p].truth_hits > 0)
-      span = span_of(pass, reported, kAlgorithmTolerance, [&](double metres) {
-        at[pass.hero] = pose_at(pass, metres);
-        found.clear();
-        method->prepare(at);
-        method->answer({&run, 1}, found);
-        return !found.empty();
-      });
-    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-    out.first.push_back(span ? rows[p].truth_first - span->first : kNaN);
-    out.last.push_back(span ? rows[p].truth_last - span->last : kNaN);
-    progress.add(1);
-  }
-  return out;
+    return span_of(pass, reported, kAlgorithmTolerance, [&](double metres) {
+      at[pass.hero] = pose_at(pass, metres);
+      found.clear();
+      method->prepare(at);
+      method->answer({&run, 1}, found);
+      return !found.empty();
+    });
+  });
 }
 
 }  // namespace
@@ -146,6 +152,19 @@ PassAnswers pass_answers(const geometry::Bodies& bodies, const Poses& poses, con
   unknown.flicker.assign(rows.size(), 0);
   unknown.hits = unknown.flicker;
   return unknown;
+}
+
+PassAnswers sampled_pass_answers(const std::vector<Pass>& passes, const Truth& truth, const std::vector<PassRow>& rows,
+                                 const Answers& answers) {
+  return answers_of(passes, truth, rows, answers, [](const Pass& pass, const std::vector<bool>& reported) {
+    std::optional<Span> span =
+        span_of(pass, reported, std::numeric_limits<double>::infinity(), [](double) { return true; });
+    if (!span) return span;
+    const double half = 0.5 * (position(pass, 1) - position(pass, 0));
+    if (!reported.front()) span->first -= half;
+    if (!reported.back()) span->last += half;
+    return span;
+  });
 }
 
 }  // namespace pipeline

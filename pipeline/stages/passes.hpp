@@ -30,4 +30,8 @@ PassAnswers pass_answers(const geometry::Bodies& bodies, const std::vector<std::
                          const Truth& truth, const std::vector<Pass>& passes, const std::vector<PassRow>& rows,
                          Answers& answers, const AlgorithmChoice& choice, Progress& progress);
 
+/// The same of answers that cannot be asked for again: a change between two samples counts as half way between them.
+PassAnswers sampled_pass_answers(const std::vector<Pass>& passes, const Truth& truth, const std::vector<PassRow>& rows,
+                                 const Answers& answers);
+
 }  // namespace pipeline

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pipeline/result/columns.hpp"
+#include "pipeline/stages/interval.hpp"
 
 namespace pipeline {
 namespace {
@@ -41,9 +42,19 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   std::vector<std::int64_t> times = answers.time_ns;
   std::sort(times.begin(), times.end());
   const std::size_t n = times.size();
-  row.time_mean_ns = double(total(times)) / double(n);
-  row.time_median_ns = median(times);
-  row.time_p95_ns = double(times[(95 * n + 99) / 100 - 1]);
+  const bool timed = times.back() > 0;
+  const auto known = [&](double value) { return timed ? value : std::numeric_limits<double>::quiet_NaN(); };
+  const Interval mean = mean_interval(answers.time_ns);
+  row.time_mean_ns = known(mean.value);
+  row.time_mean_low_ns = known(mean.low);
+  row.time_mean_high_ns = known(mean.high);
+  row.time_median_ns = known(median(times));
+  row.time_p95_ns = known(double(times[(95 * n + 99) / 100 - 1]));
+  const std::int64_t processor = total(answers.processor_ns);
+  row.processor_mean_ns = processor > 0 ? double(processor) / double(n) : std::numeric_limits<double>::quiet_NaN();
+  row.setup_ns = answers.costs.setup_ns;
+  row.memory_bytes = answers.costs.memory_bytes;
+  row.memory_greatest_bytes = answers.costs.memory_greatest_bytes;
 
   if (answers.promise == "conservative") row.promise_kept = row.false_negative == total(answers.rounding_miss);
   if (answers.promise == "exact") row.promise_kept = row.false_negative == 0 && row.false_positive == 0;

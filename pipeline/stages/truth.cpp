@@ -154,7 +154,8 @@ Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geome
     on_threads(workers, work, [&] { next = open.size(); });  // the others finish their chunk and stop
   }
 
-  for (const TruthChunk& chunk : done) {
+  for (TruthChunk& each : done) {
+    const TruthChunk chunk = std::move(each);  // freed here: not all is there twice
     truth.hits.append_steps(chunk.hits);
     truth.contained.append_steps(chunk.contained);
     if (truth.contained_inside)

@@ -3,7 +3,6 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cerrno>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -21,12 +20,9 @@ thread_local HeapCount* counting = nullptr;
 
 }  // namespace
 
-CountingHeap::CountingHeap(HeapCount& count) {
-  assert(!counting && "one count at a time");
-  counting = &count;
-}
+CountingHeap::CountingHeap(HeapCount& count) : outer_(counting) { counting = &count; }
 
-CountingHeap::~CountingHeap() { counting = nullptr; }
+CountingHeap::~CountingHeap() { counting = outer_; }
 
 std::size_t heap_bytes(const void* block) { return malloc_usable_size(const_cast<void*>(block)); }
 

@@ -18,13 +18,16 @@ struct HeapCount {
   std::int64_t held = 0, greatest = 0;
 };
 
-/// Adds to a count what this thread takes and gives back while it lives. Not one within another.
+/// Adds to a count what this thread takes and gives back while it lives; one within another counts alone.
 class CountingHeap {
  public:
   explicit CountingHeap(HeapCount& count);
   ~CountingHeap();
   CountingHeap(const CountingHeap&) = delete;
   CountingHeap& operator=(const CountingHeap&) = delete;
+
+ private:
+  HeapCount* outer_;
 };
 
 /// What malloc gave for a block; 0 for a null pointer.

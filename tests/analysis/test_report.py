@@ -165,7 +165,7 @@ def test_texts_of_a_file_are_shown_and_not_run(copy, tmp_path):
 def test_numbers_are_shown_with_four_digits():
     values = (True, 7, 12345, 0.123456, float("nan"), float("inf"), None, 123456.7, "a<b")
     assert [shown(value) for value in values] == [
-        "yes", "7", "12\u202f345", "0.1235", "–", "∞", "–", "123\u202f457", "a&lt;b",
+        "yes", "7", "12\u202f345", "0.1235", "–", "∞", "–", "123\u202f457", "a<b",
     ]
 
 
@@ -594,3 +594,38 @@ def test_what_is_as_fast_is_not_called_faster():
 def test_times_of_other_machines_are_never_as_fast():
     drawn = timed_points(("a", 0.5, 1000, 0.1), ("b", 0.2, 1001, 0.1)).assign(machine=["m", "n"])
     assert not pareto.alike(drawn.iloc[0], drawn.iloc[1])
+
+
+def test_set_up_and_memory_have_a_figure_beside_and_labels_of_which_nothing_is_known_are_said(result_file, copy):
+    scene, = pareto.scenes([load(result_file)])
+    drawn = plots_error.costs(scene, scene.points, "k")
+    assert list(drawn.table.label) == list(scene.points.sort_values(["time_mean_ns", "error"]).label)
+    setup = scene.points.set_index("label").setup_ns[drawn.table.label]
+    np.testing.assert_allclose(drawn.table["set-up (µs)"] * 1e3, setup)
+    greatest = scene.points.loc[scene.points.memory_greatest_bytes.idxmax(), "label"]
+    assert f"{greatest} takes most memory" in drawn.title or f"{greatest} takes longest to set up" in drawn.title
+    assert all(label in drawn.svg for label in scene.points.label)
+    unknown = scene.points.assign(memory_bytes=scene.points.memory_bytes.mask(scene.points.label == "obb_sat"))
+    assert "Nothing is known of the memory of obb_sat." in plots_error.costs(scene, unknown, "k").caption
+    assert plots_error.costs(scene, scene.points.drop(columns="setup_ns"), "k") is None
+
+
+def test_ticks_of_memory_are_round_in_its_own_units():
+    ticks = [plots_error.memory(tick) for tick in plots_error._binary((5e3, 2e7))]
+    assert ticks == ["10 KiB", "100 KiB", "1 MiB", "10 MiB"]
+    assert len(plots_error._binary((15, 20))) == 1
+
+
+def test_intervals_are_bars_that_the_axis_holds(result_file, monkeypatch):
+    scene, = pareto.scenes([load(result_file)])
+    mean = scene.points.time_mean_ns
+    points = scene.points.assign(time_mean_low_ns=mean / 3, time_mean_high_ns=mean * 3)
+    points["front"] = True
+    fig, titles, _ = plots_error._draw(points.reset_index(drop=True), "time_mean_ns")
+    low, high = fig.axes[0].get_xlim()
+    assert low < points.time_mean_low_ns.min() and points.time_mean_high_ns.max() < high
+    bars = [line.get_xdata() for axes in fig.axes[:2] for line in axes.lines if len(line.get_xdata()) == 2]
+    for _, point in points.iterrows():
+        assert any(np.allclose(bar, [point.time_mean_low_ns, point.time_mean_high_ns]) for bar in bars), point.label
+        assert any(" to " in text for text in titles.values())
+    plt.close(fig)

@@ -3,7 +3,6 @@
 // The first argument is the gap between neighbours in thousandths of the diameter: negative ones interpenetrate. Beside
 // the time stand the hits and a hash of them, so that a speed-up cannot quietly change an answer.
 #include <benchmark/benchmark.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <chrono>
@@ -107,42 +106,6 @@ BENCHMARK(truth_of_a_pile)
     ->Args({-3, 16})
     ->Args({0, 16})
     ->Unit(benchmark::kMillisecond);
-
-/// Piles of ever more spheres, with the memory of a step before: what a step costs and takes. The memory
-/// is what the allocator has given out: `scene_MiB` for bodies, meshes and poses, `decision_MiB` for hierarchies and
-/// all that a decision holds.
-void truth_of_growing_piles(benchmark::State& state) {
-  const auto mib = [] { return static_cast<double>(mallinfo2().uordblks + mallinfo2().hblkhd) * 0x1p-20; };
-  const double before = mib();
-  const Pile pile(static_cast<int>(state.range(0)), -0.1, 16);
-  const double scene = mib();
-  const std::vector<Bvh> bvhs = build_bvhs(pile.bodies);
-  const std::vector<PairRun> runs = pair_runs(pile.bodies, pile.poses);
-  Decision decision(pile.bodies, bvhs);
-  std::vector<Pair> hits;
-  const auto ask = [&] {
-    hits.clear();
-    decision.prepare(pile.poses);
-    decision.hits(runs, hits);
-  };
-  ask();
-  decision.remember();
-  for (auto _ : state) ask();
-  state.counters["scene_MiB"] = scene - before;
-  state.counters["decision_MiB"] = mib() - scene;
-  state.SetComplexityN(static_cast<std::int64_t>(pile.poses.size()));
-  state.counters["bodies"] = static_cast<double>(pile.poses.size());
-  state.counters["hits"] = static_cast<double>(hits.size());
-  state.counters["tests_per_body"] =
-      static_cast<double>(decision.operations()) / static_cast<double>(pile.poses.size());
-}
-BENCHMARK(truth_of_growing_piles)
-    ->ArgName("side")
-    ->Arg(6)
-    ->Arg(14)
-    ->Arg(30)
-    ->Unit(benchmark::kMillisecond)
-    ->Complexity();
 
 void placing_a_sphere(benchmark::State& state) {
   const Pile pile(1, 0, state.range(0));

@@ -394,7 +394,7 @@ def test_a_seed_gives_other_runs_with_jitter_and_is_refused_without(smoke, tmp_p
     run = pipeline("run", SMOKE, "-o", tmp_path / "x.h5", "--set", "seed=2")
     assert run.returncode == INPUT
     assert one_line(run) == ("--set seed=2: 'seed' must be left out, not 2: nothing is drawn at random in this falling "
-                             "scene; remove it, or set scene.jitter above 0")
+                             "scene; remove it, or set scene.jitter above 0, or turned = true in a set")
     assert list(tmp_path.iterdir()) == []
     motion = {}
     for name, sets in {"a": ["seed=1"], "b": ["seed=2"], "again": ["seed=2"]}.items():

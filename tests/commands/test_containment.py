@@ -120,7 +120,7 @@ def test_where_every_mesh_is_open_containment_is_refused(scene):
     run, path = scene({"cup": cube()[:-2], "bowl": cube(2)[1:]})
     assert run.returncode == INPUT and not path.exists()
     line = one_line(run)
-    for text in ("scene.toml:6:8: 'scene.body.0.mesh' of body 'cup': mesh 'cup' is open, the edge from (", "9.53674",
+    for text in ("scene.toml:6:8: 'scene.body.0.mesh' of body 'cup': mesh 'cup' is open, the edge from (", "9.54e-07",
                  "close one"):
         assert text in line
 

@@ -45,14 +45,16 @@ DIMENSIONS = {
     "/answers/<>/pair_offset": ["boundary"],
     "/answers/<>/pair": ["entry", "side"],
     "/summary/<>": ["algorithm"],
+    "/noise/time_ns": ["step"],
 }
 RESULT_COLUMNS = {
-    "time_ns", "time_median_ns", "prepare_ns", "hits", "true_positive", "false_positive", "false_negative",
-    "rounding_miss", "operations",
+    "time_ns", "time_median_ns", "prepare_ns", "processor_ns", "hits", "true_positive", "false_positive",
+    "false_negative", "rounding_miss", "operations",
 }  # fmt: skip
 SUMMARY_COLUMNS = {
     "hits", "true_positive", "false_positive", "false_negative", "error", "precision", "recall", "matthews",
-    "operations", "time_mean_ns", "time_median_ns", "time_p95_ns", "promise_kept",
+    "operations", "time_mean_ns", "time_median_ns", "time_p95_ns", "promise_kept", "time_mean_low_ns",
+    "time_mean_high_ns", "processor_mean_ns", "setup_ns", "memory_bytes", "memory_greatest_bytes",
 }  # fmt: skip
 PHYSICS_COLUMNS = {
     "energy", "kinetic_energy", "contacts", "greatest_penetration", "integrator_steps", "rejected_steps",
@@ -103,7 +105,8 @@ def test_holds_the_documented_datasets_and_no_other(file):
         assert names is not None, f"{path} is not documented"
         assert dataset.ndim == len(names), path
     for path in DIMENSIONS:
-        if "<>" not in path and path != "/bodies/chosen" and "contained" not in path and "gap" not in path:
+        apart = ("<>", "/bodies/chosen", "contained", "gap", "noise")
+        if not any(word in path for word in apart):
             assert path in found, path
     assert set(file["results"]) == RESULT_COLUMNS | counted_apart(file) | {"step", "algorithm"}
     assert set(file["summary"]) == SUMMARY_COLUMNS | counted_apart(file) | {"algorithm"}
@@ -313,7 +316,7 @@ def test_meta_says_where_the_result_comes_from(result_file, file):
     for label in meta["algorithms"]:
         assert {
             "name", "knobs", "promise", "thesis_key", "operations_unit", "scope", "host", "processor",
-            "build", "date", "digest",
+            "build", "date", "digest", "setup_ns", "memory_bytes", "memory_greatest_bytes",
         } == set(meta["answers"][label])  # fmt: skip
 
 

@@ -425,8 +425,9 @@ def test_passes_are_asked_of_programs_too(tmp_path):
     program = (
         "from collision_program import serve\n"
         "def answer(step):\n"
-        "    if len(step.runs) == 1: raise ValueError('one pair')\n"
-        "    return list(step.pairs())\n"
+        "    if len(list(step.pairs())) == 1: raise ValueError('one pair')\n"
+        "    at = step.positions\n"
+        "    return [(a, b) for a, b in step.pairs() if sum((p - q) ** 2 for p, q in zip(at[a], at[b])) < 2]\n"
         "serve(lambda run: answer, name='bad')\n")
     path = tmp_path / "passes.h5"
     run = pipeline("run", small(tmp_path, "passes", PLAYGROUND, program), "-o", path)

@@ -15,7 +15,7 @@
 
 #include "fuzz.hpp"
 #include "pipeline/commands/show.hpp"
-#include "pipeline/result/h5.hpp"
+#include "pipeline/result/hdf5/h5.hpp"
 #include "pipeline/result/product.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/terminal/error.hpp"

@@ -178,6 +178,9 @@ TEST(ConfigErrors, RefusesWithPlaceRuleValueAndRemedy) {
        "a/f.toml:4:11: 'timing.repeats' must be an integer between 1 and 1000, not 0"},
       {kScene + "[timing]\nrepeats = 1001\n", "not 1001"},
       {kScene + "[timing]\nrepeat = 1\n", "a/f.toml:4:1: unknown key 'timing.repeat'; did you mean 'repeats'?"},
+      {kScene + "[timing]\nnoise = 1\n", "a/f.toml:4:9: 'timing.noise' must be"},
+      {kScene + "[timing]\npin = -1\n", "a/f.toml:4:7: 'timing.pin' must be an integer of at least 0, not -1"},
+      {kScene + "[timing]\npin = 5000\n", "a/f.toml:4:7: 'timing.pin' must be a processor that this program may use ("},
       // Algorithms
       {kScene + "[[algorithm]]\n", "a/f.toml:3:1: missing key 'algorithm.0.name'; known: obb_sat, bounding_sphere, "},
       {kScene + "[[algorithm]]\nname = 1\n", "a/f.toml:4:8: 'algorithm.0.name' must be text, not 1"},

@@ -5,6 +5,7 @@
 #include "geometry/meshes/shapes.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/stages/truth.hpp"
+#include "pipeline/system/heap.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace pipeline;
@@ -74,6 +75,65 @@ TEST(Truth, DoesNotDependOnThreadsAndIsResumed) {
   EXPECT_EQ(alone.hits.offset, together.hits.offset);
   // Kept chunks are taken as they are: also their times, which a second computation would not repeat.
   EXPECT_EQ(decide(row.bodies, row.poses, 1, one, quiet).time_ns, alone.time_ns);
+}
+
+TEST(Detect, TakesTheProcessorsTimeBesideTheWalls) {
+  const Row row(13);
+  const Answers answers = detected(row, row.truth(), choices({"exact_cold"}))[0];
+  ASSERT_EQ(answers.processor_ns.size(), 13u);
+  for (const std::int64_t time : answers.processor_ns) EXPECT_GT(time, 0);
+}
+
+TEST(Detect, CountsWhatAMethodCostsBesides) {
+  const Row row(13);
+  const Truth truth = row.truth();
+  const auto answers = detected(row, truth, choices({"bounding_sphere", "exact_cold"}));
+  for (const Answers& one : answers) {
+    EXPECT_GT(one.costs.setup_ns, 0);
+    if (!counts_heap()) continue;
+    EXPECT_GE(one.costs.memory_greatest_bytes, one.costs.memory_bytes);
+    EXPECT_GT(one.costs.memory_bytes, 0);
+  }
+  if (!counts_heap()) GTEST_SKIP() << "a sanitizer has its own malloc";
+  // Five doubles a body in five blocks; a hierarchy takes more than its mesh's 112 triangles.
+  EXPECT_LE(answers[0].costs.memory_bytes, 5 * 3 * 8 + 6 * 64 + 256);
+  EXPECT_GT(answers[1].costs.memory_bytes, 112 * 12);
+}
+
+// Its list of hits is the caller's, however long it is.
+TEST(Detect, DoesNotCountHitsAsAMethodsMemory) {
+  if (!counts_heap()) GTEST_SKIP() << "a sanitizer has its own malloc";
+  geometry::Bodies bodies;
+  bodies.meshes.push_back(geometry::sphere("sphere", 1, 8));
+  constexpr int kCount = 200;  // all in one place: 19,900 hits of 8 bytes
+  for (int body = 0; body < kCount; ++body) bodies.add("b" + std::to_string(body), 0);
+  Truth truth;
+  truth.hits.append({});
+  truth.time_ns = {0};
+  Progress quiet("detect", 1, true);
+  const Answers answers =
+      detect(bodies, {std::vector<Pose>(kCount)}, truth, choices({"bounding_sphere"}), 1, {}, nullptr, quiet)[0];
+  ASSERT_EQ(answers.hits.at(0).size(), std::size_t(kCount * (kCount - 1) / 2));
+  EXPECT_LE(answers.costs.memory_greatest_bytes, 5 * kCount * 8 + 6 * 64 + 256);
+}
+
+TEST(Detect, TimesTheFirstOnceMoreForTheNoise) {
+  const Row row(60);
+  const Truth truth = row.truth();
+  const TemporaryFolder folder;
+  Checkpoint part(folder / "p", {}, "", 60, false);
+  Progress quiet("detect", 60, true);
+  const auto asked = choices({"aabb", "exact"});
+  const auto ask = [&] { return detect(row.bodies, row.poses, truth, asked, 1, {}, &part, quiet, /*noise=*/true); };
+  const auto first = ask();
+  ASSERT_EQ(first.size(), 3u);
+  EXPECT_EQ(first[2].name, "aabb");
+  EXPECT_EQ(first[2].hits.pair, first[0].hits.pair);
+  EXPECT_EQ(first[2].time_ns.size(), 60u);
+  const auto again = ask();  // from the chunks
+  EXPECT_EQ(again[2].time_ns, first[2].time_ns);
+  EXPECT_EQ(again[0].costs.setup_ns, first[0].costs.setup_ns);
+  EXPECT_EQ(again[1].costs.memory_greatest_bytes, first[1].costs.memory_greatest_bytes);
 }
 
 TEST(Truth, FindsGapsOnlyWhereAsked) {

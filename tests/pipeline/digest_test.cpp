@@ -109,6 +109,32 @@ TEST(Digest, IsTheSameOverManyBlocks) {
   EXPECT_EQ(digest_of(doubles("/a", {values.size()}, values)), stream.hex());
 }
 
+// What is too large to be laid out is told in parts of whole chunks.
+TEST(Digest, IsTheSameInParts) {
+  constexpr std::uint64_t kRows = 5000, kColumns = 70, kMultiple = 7;
+  std::vector<double> values(kRows * kColumns);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = i % 5 == 0 ? std::nan("5") : static_cast<double>(i);
+  const Dataset whole = doubles("/a", {kRows, kColumns}, values);
+  Dataset parts = doubles("/a", {kRows, kColumns}, {});
+  parts.rows = [&](std::uint64_t first, std::uint64_t last) {
+    const auto bytes = std::as_bytes(std::span(values).subspan(first * kColumns, (last - first) * kColumns));
+    return std::vector<std::byte>(bytes.begin(), bytes.end());
+  };
+  EXPECT_EQ(digest_of(parts), digest_of(whole));
+
+  std::vector<std::byte> told;
+  std::uint64_t count = 0;
+  each_part(parts, kMultiple, [&](std::uint64_t first, std::span<const std::byte> bytes) {
+    EXPECT_EQ(first * kColumns * sizeof(double), told.size());
+    EXPECT_EQ(first % kMultiple, 0u);
+    EXPECT_LE(bytes.size(), 1u << 20);
+    told.insert(told.end(), bytes.begin(), bytes.end());
+    ++count;
+  });
+  EXPECT_GE(count, 3u);
+  EXPECT_TRUE(told == whole.owned);
+}
+
 TEST(Digests, AreOfMotionTruthAnswersAndRoot) {
   const Result result = synthetic_result();
   std::vector<std::string> paths;

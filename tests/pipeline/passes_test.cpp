@@ -69,6 +69,25 @@ const double kHalfWay = kRoot3 + kRoot3 + 1;  // bounding radii |(1, 1, 1)| of b
 
 }  // namespace
 
+// Answers that cannot be asked for again change half way between two samples.
+TEST(Passes, OfGivenAnswersAreKnownToHalfASample) {
+  const Fixture f;
+  for (const char* algorithm : {"bounding_sphere", "obb_sat", "exact"}) {
+    const Answers answers = f.answers(algorithm);
+    const PassAnswers found = f.measured(algorithm, answers),
+                      sampled = sampled_pass_answers(f.scene.passes, f.truth, f.rows, answers);
+    EXPECT_EQ(sampled.hits, found.hits);
+    EXPECT_EQ(sampled.flicker, found.flicker);
+    for (std::size_t p = 0; p < f.rows.size(); ++p) {
+      const double half = 0.5 * (position(f.scene.passes[p], 1) - position(f.scene.passes[p], 0));
+      EXPECT_EQ(std::isnan(sampled.first[p]), std::isnan(found.first[p]));
+      if (std::isnan(found.first[p])) continue;
+      EXPECT_LE(std::abs(sampled.first[p] - found.first[p]), half * (1 + 1e-9) + kAlgorithmTolerance);
+      EXPECT_LE(std::abs(sampled.last[p] - found.last[p]), half * (1 + 1e-9) + kAlgorithmTolerance);
+    }
+  }
+}
+
 // The foremost vertex of the ball touches the cube's face when its centre is 2 m before the cube's, and leaves it so.
 TEST(Passes, TruthIsFoundToANanometre) {
   const Fixture f;

@@ -7,6 +7,7 @@
 
 #include "geometry/decision/oracle.hpp"
 #include "pipeline/config.hpp"
+#include "pipeline/scene/kinds/extremes.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/extremes.hpp"
 #include "pipeline/stages/truth.hpp"
@@ -125,7 +126,7 @@ TEST(Extremes, OnePairIsThereAtAStep) {
 
 TEST(Extremes, HasEveryBuiltInPairAndLimitsOffsets) {
   const Config config = extremes("");
-  const auto& scene = std::get<ExtremesScene>(config.scene);
+  const auto& scene = config.keys<ExtremesScene>();
   EXPECT_EQ(scene.pairs.size(), 24u);
   for (const char* a : {"sphere", "box", "capsule", "torus", "torus_knot"})
     for (const char* b : {"sphere", "box", "capsule", "torus", "torus_knot"}) {

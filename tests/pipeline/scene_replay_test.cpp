@@ -79,6 +79,21 @@ TEST_F(Replay, FewerStepsMayBeAskedForAndMoreNot) {
             "--set steps=4: 'steps' must be at most 3, the steps of poses.csv, not 4");
 }
 
+TEST_F(Replay, IsRefusedWhenAFileWasChangedSinceItWasRead) {
+  const Config c = config(kScene + kHero);
+  c.scene_kind->make(c);
+  write("poses.csv", kPoses + "3,hero,3,0,0,1,0,0,0\n");
+  try {
+    c.scene_kind->make(c);
+    ADD_FAILURE() << "was made";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), kInput);
+    EXPECT_NE(std::string(error.what()).find("poses.csv: was changed since the configuration was read; run again"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST_F(Replay, BirthsThatFewerStepsLeaveOutAreSaid) {
   write("poses.csv", kPoses + "2,late,2,5,0,1,0,0,0\n");
   std::string late = kHero;

@@ -12,7 +12,7 @@
 #include <functional>
 #include <iterator>
 
-#include "pipeline/result/h5.hpp"
+#include "pipeline/result/hdf5/h5.hpp"
 #include "pipeline/result/products/extremes.hpp"
 #include "pipeline/result/products/physics.hpp"
 #include "pipeline/result/seal.hpp"
@@ -232,6 +232,12 @@ TEST_F(Store, WritesTheSameBytesForTheSameResult) {
 }
 
 TEST_F(Store, KeepsWhatHasManyChunks) { round_trip(synthetic_result(700, 60, 2, 300), file("a.h5"), file("b.h5")); }
+
+// Neither chunks nor parts of the motion end together, and one step of many bodies is more than either.
+TEST_F(Store, KeepsAMotionWrittenInParts) {
+  round_trip(synthetic_result(101, 700, 1, 50), file("a.h5"), file("b.h5"));
+  round_trip(synthetic_result(2, 50'000, 1, 50), file("c.h5"), file("d.h5"));
+}
 
 TEST_F(Store, KeepsOneStep) { round_trip(synthetic_result(1, 3, 1, 1), file("a.h5"), file("b.h5")); }
 

@@ -96,6 +96,7 @@ inline Result synthetic_result(std::uint64_t steps = 7, std::uint32_t bodies = 5
     answers.time_ns = times();
     answers.time_median_ns = times();
     answers.prepare_ns = times();
+    answers.processor_ns = answers.time_median_ns;
     answers.operations = counts(100'000);
     answers.true_positive = counts(900);
     answers.false_positive = counts(50);
@@ -104,7 +105,13 @@ inline Result synthetic_result(std::uint64_t steps = 7, std::uint32_t bodies = 5
     result.answers.push_back(std::move(answers));
     result.summary.push_back({random() % 1000, random() % 1000, random() % 1000, random() % 1000, random() % 1000,
                               real(), real(), real(), a == 1 ? std::numeric_limits<double>::quiet_NaN() : real(),
-                              real() * 1e6, real() * 1e6, real() * 1e6, a != 1});
+                              real() * 1e6, real() * 1e6, real() * 1e6});
+    Summary& row = result.summary.back();
+    row.promise_kept = a != 1;
+    row.time_mean_low_ns = row.time_mean_ns / 2;
+    row.time_mean_high_ns = a == 1 ? std::numeric_limits<double>::quiet_NaN() : row.time_mean_ns * 2;
+    row.setup_ns = result.answers.back().costs.setup_ns = 1000 + double(a);
+    row.memory_bytes = result.answers.back().costs.memory_bytes = 4096;
   }
   result.provenance = {"pipeline 0.1.0",
                        "0123456789abcdef",

@@ -7,6 +7,7 @@ namespace pipeline {
 Product study_product();
 Product physics_product();
 Product gaps_product();
+Product noise_product();
 Product passes_product();
 Product extremes_product();
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/result/dataset.hpp"
-#include "pipeline/result/h5_reader.hpp"
+#include "pipeline/result/hdf5/reader.hpp"
 #include "pipeline/result/products/all.hpp"
 #include "pipeline/terminal/print.hpp"
 #include "pipeline/terminal/words.hpp"

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "pipeline/result/dataset.hpp"
-#include "pipeline/result/h5_reader.hpp"
+#include "pipeline/result/hdf5/reader.hpp"
 #include "pipeline/result/products/all.hpp"
 #include "pipeline/terminal/print.hpp"
 

@@ -2,7 +2,10 @@
 // the result of an earlier run.
 //
 // Keys are read without touching the files they name, because a result's own configuration is read again long after
-// they are gone. The files are read once, when the configuration is (complete), and kept with it.
+// they are gone. The files are read when the configuration is (complete), for their size and flaws, and again when the
+// scene is made: nothing of them stays in memory between.
+#include "pipeline/scene/kinds/replay.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -12,10 +15,11 @@
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/mesh_input.hpp"
 #include "pipeline/scene/poses_csv.hpp"
-#include "pipeline/scene/scene.hpp"
 #include "pipeline/terminal/error.hpp"
 
 namespace pipeline {
+
+namespace {
 
 /// What the files of a replayed scene hold.
 struct ReplayInputs {
@@ -26,8 +30,6 @@ struct ReplayInputs {
 
   std::int64_t steps() const { return poses.empty() ? csv.steps : std::int64_t(poses.size()); }
 };
-
-namespace {
 
 constexpr double kNormTolerance = 1e-6;
 constexpr Range kAnyCoordinate{.least = -geometry::kGreatestCoordinate, .most = geometry::kGreatestCoordinate};
@@ -103,7 +105,7 @@ void read(const Section& s, SceneConfig& config) {
 }
 
 void write(const SceneConfig& config, TomlText& out) {
-  const ReplayScene& scene = std::get<ReplayScene>(config.scene);
+  const ReplayScene& scene = config.keys<ReplayScene>();
   if (scene.motion.empty())
     out.line("poses", scene.poses);
   else
@@ -128,7 +130,7 @@ void write(const SceneConfig& config, TomlText& out) {
 
 /// Bodies as the configuration lists them. Bodies of one file or of equal shapes share a mesh, which is named after the
 /// first of them.
-geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene) {
+geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene, bool judge) {
   geometry::Bodies bodies;
   std::map<std::string, std::uint32_t> known;  // by the text of `shape`
   std::optional<std::pair<ReplayBody, geometry::Solid>> first_open;
@@ -148,16 +150,18 @@ geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene) {
       } else {
         MeshInput input = read_mesh(config, body.mesh, body.place, body.name);
         mesh = std::move(input.mesh);
-        geometry::Solid solid = geometry::solid_of(mesh, config.closed_within);
-        note_flaws(mesh, solid, input.path, config);
-        any_closed |= solid.closed;
-        if (!solid.closed && !first_open) first_open.emplace(body, std::move(solid));
+        if (judge) {
+          geometry::Solid solid = geometry::solid_of(mesh, config.closed_within);
+          note_flaws(mesh, solid, input.path, config);
+          any_closed |= solid.closed;
+          if (!solid.closed && !first_open) first_open.emplace(body, std::move(solid));
+        }
       }
       bodies.meshes.push_back(std::move(mesh));
     }
     bodies.add(body.name, at->second, body.fixed);
   }
-  if (config.containment != Containment::ignore && !any_closed)
+  if (judge && config.containment != Containment::ignore && !any_closed)
     throw Error(kInput, first_open->first.place + " of body '" + first_open->first.name +
                             "': " + all_open_text(first_open->first.name, first_open->second));
   return bodies;
@@ -186,10 +190,10 @@ CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene) {
   return motion;
 }
 
-void load_result(SceneConfig& config, const ReplayScene& scene, ReplayInputs& inputs) {
+void load_result(SceneConfig& config, const ReplayScene& scene, bool judge, ReplayInputs& inputs) {
   const std::string path = read_input(config, scene.motion, scene.place).path;
   Result earlier = read_result(path);
-  if (config.containment != Containment::ignore) {
+  if (judge && config.containment != Containment::ignore) {
     std::vector<geometry::Solid> solids;
     for (const geometry::Mesh& mesh : earlier.bodies.meshes) {
       solids.push_back(geometry::solid_of(mesh, config.closed_within));
@@ -203,17 +207,17 @@ void load_result(SceneConfig& config, const ReplayScene& scene, ReplayInputs& in
   inputs.rate = earlier.rate;
 }
 
-std::shared_ptr<const ReplayInputs> load(SceneConfig& config) {
-  const ReplayScene& scene = std::get<ReplayScene>(config.scene);
-  auto inputs = std::make_shared<ReplayInputs>();
+/// `judge`: with a look at what is wrong with the meshes.
+ReplayInputs load(SceneConfig& config, const ReplayScene& scene, bool judge) {
+  ReplayInputs inputs;
   if (!scene.motion.empty()) {
-    load_result(config, scene, *inputs);
+    load_result(config, scene, judge, inputs);
   } else {
-    inputs->bodies = load_bodies(config, scene);
-    inputs->csv = load_poses(config, scene);
+    inputs.bodies = load_bodies(config, scene, judge);
+    inputs.csv = load_poses(config, scene);
   }
   if (scene.only.empty()) return inputs;
-  geometry::Bodies& bodies = inputs->bodies;
+  geometry::Bodies& bodies = inputs.bodies;
   bodies.chosen.assign(bodies.size(), 0);
   for (const std::string& name : scene.only) {
     const auto at = std::ranges::find(bodies.name, name);
@@ -225,28 +229,7 @@ std::shared_ptr<const ReplayInputs> load(SceneConfig& config) {
   return inputs;
 }
 
-void complete(SceneConfig& config) {
-  auto inputs = load(config);
-  const std::int64_t steps = inputs->steps();
-  ReplayScene& scene = std::get<ReplayScene>(config.scene);
-  if (config.steps_place.empty())
-    config.steps = steps;
-  else if (config.steps > steps)
-    throw Error(kInput, config.steps_place + ": 'steps' must be at most " + std::to_string(steps) + ", the steps of " +
-                            (scene.motion.empty() ? scene.poses : scene.motion) + ", not " +
-                            std::to_string(config.steps));
-  if (!config.rate_given && inputs->rate) config.rate = *inputs->rate;
-  scene.inputs = std::move(inputs);
-}
-
-const ReplayInputs& inputs_of(const SceneConfig& config) {
-  const auto& inputs = std::get<ReplayScene>(config.scene).inputs;
-  if (!inputs) throw std::logic_error("a replayed scene is asked for before its files were read");
-  return *inputs;
-}
-
-SceneSize size(const SceneConfig& config) {
-  const geometry::Bodies& bodies = inputs_of(config).bodies;
+SceneSize size_of(const geometry::Bodies& bodies) {
   SceneSize out{.bodies = bodies.size(), .meshes = bodies.meshes.size()};
   for (const geometry::Mesh& mesh : bodies.meshes) {
     out.mesh_vertices += mesh.vertices.size();
@@ -256,19 +239,7 @@ SceneSize size(const SceneConfig& config) {
   return out;
 }
 
-Scene make(const SceneConfig& config) {
-  const ReplayInputs& inputs = inputs_of(config);
-  Scene scene;
-  scene.bodies = inputs.bodies;
-  if (inputs.poses.empty())
-    scene.script = poses_of(inputs.csv, config.steps);
-  else
-    scene.script.assign(inputs.poses.begin(), inputs.poses.begin() + config.steps);
-  return scene;
-}
-
-std::vector<Ahead> ahead(const SceneConfig& config) {
-  const ReplayInputs& inputs = inputs_of(config);
+std::vector<Ahead> births_of(const ReplayInputs& inputs) {
   std::vector<Ahead> out;
   for (std::size_t b = 0; b < inputs.bodies.size(); ++b) {
     const auto born = [b](const auto& step) { return geometry::is_born(step[b]); };
@@ -280,6 +251,47 @@ std::vector<Ahead> ahead(const SceneConfig& config) {
     out.push_back({.what = "births", .first = first});
   }
   return out;
+}
+
+void complete(SceneConfig& config) {
+  ReplayScene scene = config.keys<ReplayScene>();
+  const ReplayInputs inputs = load(config, scene, true);
+  const std::int64_t steps = inputs.steps();
+  if (config.steps_place.empty())
+    config.steps = steps;
+  else if (config.steps > steps)
+    throw Error(kInput, config.steps_place + ": 'steps' must be at most " + std::to_string(steps) + ", the steps of " +
+                            (scene.motion.empty() ? scene.poses : scene.motion) + ", not " +
+                            std::to_string(config.steps));
+  if (!config.rate_given && inputs.rate) config.rate = *inputs.rate;
+  scene.size = size_of(inputs.bodies);
+  scene.births = births_of(inputs);
+  config.scene = std::move(scene);
+}
+
+const ReplayScene& completed(const SceneConfig& config) {
+  const ReplayScene& scene = config.keys<ReplayScene>();
+  if (!scene.size) throw std::logic_error("a replayed scene is asked for before its files were read");
+  return scene;
+}
+
+SceneSize size(const SceneConfig& config) { return *completed(config).size; }
+
+std::vector<Ahead> ahead(const SceneConfig& config) { return completed(config).births; }
+
+Scene make(const SceneConfig& config) {
+  SceneConfig again = config;
+  ReplayInputs inputs = load(again, completed(config), false);
+  refuse_changed(config, again);
+  Scene scene;
+  scene.bodies = std::move(inputs.bodies);
+  if (inputs.poses.empty()) {
+    scene.script = poses_of(inputs.csv, config.steps);
+  } else {
+    scene.script = std::move(inputs.poses);
+    scene.script.resize(std::size_t(config.steps));
+  }
+  return scene;
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 // kind = "falling": sets of spheres fall onto others that lie on a finite plate, its top at y = 0 (thesis, "Padani");
 // or bodies of any closed meshes, also onto and into obstacles that stand on it.
 //
-// Keys are read without touching the files they name (as in replay.cpp). Files are read once, when the configuration is
-// (complete), and kept with it.
+// Keys are read without touching the files they name; files are read when the configuration is (complete), and again
+// when the scene is made (as in replay.cpp).
+#include "pipeline/scene/kinds/falling.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -13,16 +15,10 @@
 #include "geometry/random.hpp"
 #include "geometry/vec.hpp"
 #include "pipeline/scene/mesh_input.hpp"
-#include "pipeline/scene/scene.hpp"
 #include "pipeline/scene/solid_body.hpp"
 #include "pipeline/terminal/error.hpp"
 
 namespace pipeline {
-
-/// The meshes of the files that a falling scene names, as written there.
-struct FallingInputs {
-  std::map<std::string, geometry::Mesh> meshes;
-};
 
 namespace {
 
@@ -127,7 +123,7 @@ void read(const Section& s, SceneConfig& config) {
 }
 
 void write(const SceneConfig& config, TomlText& out) {
-  const FallingScene& scene = std::get<FallingScene>(config.scene);
+  const FallingScene& scene = config.keys<FallingScene>();
   out.line("segments", scene.segments);
   out.line("radius", scene.radius);
   out.line("density", scene.density);
@@ -179,25 +175,29 @@ bool has_contact_spheres(const FallingBody& body, bool fixed) {
                           (fixed && std::holds_alternative<BoxShape>(*body.shape)));
 }
 
-const geometry::Mesh& mesh_read(const FallingScene& scene, const FallingBody& body) {
-  if (!scene.inputs) throw std::logic_error("a falling scene is asked for before its files were read");
-  return scene.inputs->meshes.at(body.mesh);
-}
+/// The meshes of the files that a scene names, by their names as written there.
+using FileMeshes = std::map<std::string, geometry::Mesh>;
 
-void complete(SceneConfig& config) {
-  const FallingScene scene = std::get<FallingScene>(config.scene);
-  auto inputs = std::make_shared<FallingInputs>();
+FileMeshes read_meshes(SceneConfig& config) {
+  FileMeshes out;
+  const FallingScene scene = config.keys<FallingScene>();
   for (const FallingBody* body : bodies_of(scene)) {
-    if (body->shape || inputs->meshes.contains(body->mesh)) continue;
-    MeshInput input = read_mesh(config, body->mesh, body->place, "mesh");
-    inputs->meshes.emplace(body->mesh, std::move(input.mesh));
+    if (body->shape || out.contains(body->mesh)) continue;
+    out.emplace(body->mesh, std::move(read_mesh(config, body->mesh, body->place, "mesh").mesh));
   }
-  std::get<FallingScene>(config.scene).inputs = std::move(inputs);
+  return out;
 }
 
-MeshSize mesh_size_of(const FallingScene& scene, const FallingBody& body) {
+/// Throws std::logic_error before the files were read.
+const geometry::Mesh& mesh_read(const FileMeshes& files, const FallingBody& body) {
+  const auto found = files.find(body.mesh);
+  if (found == files.end()) throw std::logic_error("a falling scene is asked for before its files were read");
+  return found->second;
+}
+
+MeshSize mesh_size_of(const FileMeshes& files, const FallingBody& body) {
   if (body.shape) return mesh_size(*body.shape);
-  const geometry::Mesh& mesh = mesh_read(scene, body);
+  const geometry::Mesh& mesh = mesh_read(files, body);
   return {.vertices = mesh.vertices.size(), .triangles = mesh.triangles.size()};
 }
 
@@ -239,8 +239,7 @@ std::uint64_t count_of(const FallingSet& set, std::size_t k) {
   return out;
 }
 
-SceneSize size(const SceneConfig& config) {
-  const FallingScene& scene = std::get<FallingScene>(config.scene);
+SceneSize size_of(const FallingScene& scene, const FileMeshes& files) {
   SceneSize out;
   std::set<std::string> known;
   const auto add = [&](std::uint64_t count, const MeshSize& mesh, const std::string& key) {
@@ -252,7 +251,7 @@ SceneSize size(const SceneConfig& config) {
     out.mesh_triangles += mesh.triangles;
   };
   const auto add_body = [&](std::uint64_t count, const FallingBody& body, bool fixed) {
-    const MeshSize mesh = mesh_size_of(scene, body);
+    const MeshSize mesh = mesh_size_of(files, body);
     add(count, mesh, key_of(body, fixed));
     if (!has_contact_spheres(body, fixed)) return;
     out.contact_spheres += count * std::uint64_t(body.contact_spheres);
@@ -273,8 +272,8 @@ SceneSize size(const SceneConfig& config) {
 /// The meshes of a scene while it is made.
 class Meshes {
  public:
-  Meshes(const SceneConfig& config, geometry::Bodies& bodies)
-      : config_(config), scene_(std::get<FallingScene>(config.scene)), bodies_(bodies) {
+  Meshes(const SceneConfig& config, const FileMeshes& files, geometry::Bodies& bodies)
+      : config_(config), files_(files), bodies_(bodies) {
     for (const geometry::Mesh& mesh : bodies.meshes) names_.insert(mesh.name);
   }
 
@@ -284,7 +283,7 @@ class Meshes {
     if (!fresh) return at->second;
     std::string name = called;
     for (int i = 2; !names_.insert(name).second; ++i) name = called.substr(0, 56) + "_" + std::to_string(i);
-    geometry::Mesh mesh = body.shape ? make_mesh(*body.shape, name) : mesh_read(scene_, body);
+    geometry::Mesh mesh = body.shape ? make_mesh(*body.shape, name) : mesh_read(files_, body);
     mesh.name = name;
     if (has_contact_spheres(body, fixed))
       place_contact_spheres(mesh, body.contact_spheres, config_.closed_within, body.place, in_quotes(what_of(body)));
@@ -309,7 +308,7 @@ class Meshes {
 
  private:
   const SceneConfig& config_;
-  const FallingScene& scene_;
+  const FileMeshes& files_;
   geometry::Bodies& bodies_;
   std::map<std::string, std::uint32_t> known_;
   std::set<std::string> names_;
@@ -319,7 +318,7 @@ class Meshes {
 /// shapes go round. Of the stream of its body's number an upper body is displaced along x, y and z by jitter times the
 /// first three numbers in [-1, 1), and turned by what follows them.
 Scene make(const SceneConfig& config) {
-  const FallingScene& falling = std::get<FallingScene>(config.scene);
+  const FallingScene& falling = config.keys<FallingScene>();
   Scene scene;
   geometry::Bodies& bodies = scene.bodies;
   const auto& plate = falling.plate;
@@ -349,7 +348,10 @@ Scene make(const SceneConfig& config) {
   floor.half_extents = {plate[0] / 2, plate[1] / 2, plate[2] / 2};
   add("plate", 0, floor, 0, -plate[1] / 2, 0);
 
-  Meshes meshes(config, bodies);
+  SceneConfig again = config;
+  const FileMeshes files = falling.size ? read_meshes(again) : FileMeshes();
+  refuse_changed(config, again);
+  Meshes meshes(config, files, bodies);
   for (const FallingObstacle& obstacle : falling.obstacles) {
     const std::uint32_t mesh = meshes.of(obstacle.body, true, obstacle.name);
     const auto& [x, y, z] = obstacle.position;
@@ -410,11 +412,11 @@ double fall_time(double metres, double gravity, double damping) {
 }
 
 /// The height of what stands at a place of the plate, below `top`: 0 for the plate.
-double ground(const FallingScene& falling, double x, double z, double top) {
+double ground(const FallingScene& falling, const FileMeshes& files, double x, double z, double top) {
   double out = 0;
   for (const FallingObstacle& obstacle : falling.obstacles) {
     const geometry::Mesh mesh =
-        obstacle.body.shape ? make_mesh(*obstacle.body.shape, "") : mesh_read(falling, obstacle.body);
+        obstacle.body.shape ? make_mesh(*obstacle.body.shape, "") : mesh_read(files, obstacle.body);
     const auto& q = obstacle.orientation;
     const auto& p = obstacle.position;
     std::vector<geometry::Vec3> world(mesh.vertices.size());
@@ -436,22 +438,22 @@ double ground(const FallingScene& falling, double x, double z, double top) {
 }
 
 /// The same of the middle and the corners of a set's upper bodies.
-double ground(const FallingScene& falling, const FallingSet& set) {
+double ground(const FallingScene& falling, const FileMeshes& files, const FallingSet& set) {
   double out = 0;
   if (falling.obstacles.empty()) return out;
   const double x = set.corner[0] + falling.shift, dx = set.spacing * double(set.above[0] - 1);
   const double z = set.corner[1] + falling.shift, dz = set.spacing * double(set.above[2] - 1);
   for (const auto& [i, k] : {std::pair{0., 0.}, {1., 0.}, {0., 1.}, {1., 1.}, {0.5, 0.5}})
-    out = std::max(out, ground(falling, x + i * dx, z + k * dz, set.height));
+    out = std::max(out, ground(falling, files, x + i * dx, z + k * dz, set.height));
   return out;
 }
 
 /// The radius of a set's spheres; of other bodies half their side, on average.
-double radius_of(const FallingScene& falling, const FallingSet& set) {
+double radius_of(const FallingScene& falling, const FileMeshes& files, const FallingSet& set) {
   if (set.shapes.empty()) return falling.radius;
   double sum = 0;
   for (const FallingBody& body : set.shapes) {
-    const geometry::Mesh mesh = body.shape ? make_mesh(*body.shape, "") : mesh_read(falling, body);
+    const geometry::Mesh mesh = body.shape ? make_mesh(*body.shape, "") : mesh_read(files, body);
     const geometry::Vec3 half = geometry::local_box(mesh).half_size();
     sum += (half.x() + half.y() + half.z()) / 3;
   }
@@ -460,21 +462,45 @@ double radius_of(const FallingScene& falling, const FallingSet& set) {
 
 /// Metres that the lowest of a set's upper spheres falls freely: to those that lie, beside them by `shift`, or to the
 /// plate.
-double drop(const FallingScene& falling, const FallingSet& set) {
-  const double r = radius_of(falling, set), aside = 2 * falling.shift * falling.shift;
+double drop(const FallingScene& falling, const FileMeshes& files, const FallingSet& set) {
+  const double r = radius_of(falling, files, set), aside = 2 * falling.shift * falling.shift;
   const bool meets = set.lying[0] > 0 && set.lying[1] > 0 && aside < 4 * r * r;
-  return set.height - ground(falling, set) - r - (meets ? std::sqrt(4 * r * r - aside) : 0);
+  return set.height - ground(falling, files, set) - r - (meets ? std::sqrt(4 * r * r - aside) : 0);
+}
+
+SceneSize size(const SceneConfig& config) {
+  const FallingScene& scene = config.keys<FallingScene>();
+  return scene.size ? *scene.size : size_of(scene, {});
+}
+
+std::vector<Fall> falls_of(const FallingScene& falling, const FileMeshes& files) {
+  std::vector<Fall> out;
+  for (const FallingSet& set : falling.sets)
+    out.push_back({.radius = radius_of(falling, files, set), .drop = drop(falling, files, set)});
+  return out;
+}
+
+std::vector<Fall> falls(const FallingScene& falling) { return falling.size ? falling.falls : falls_of(falling, {}); }
+
+void complete(SceneConfig& config) {
+  const FileMeshes files = read_meshes(config);
+  if (files.empty()) return;
+  FallingScene scene = config.keys<FallingScene>();
+  scene.size = size_of(scene, files);
+  scene.falls = falls_of(scene, files);
+  config.scene = std::move(scene);
 }
 
 std::vector<Ahead> ahead(const SceneConfig& config) {
-  const FallingScene& falling = std::get<FallingScene>(config.scene);
+  const FallingScene& falling = config.keys<FallingScene>();
   constexpr double kLively = 0.75;  // of the time of the fall; measured on the third set of padani.toml
+  const std::vector<Fall> all = falls(falling);
   std::vector<Ahead> out;
   for (std::size_t s = 0; s < falling.sets.size(); ++s) {
     const FallingSet& set = falling.sets[s];
     const std::uint64_t spheres = std::uint64_t(set.above[0] * set.above[1] * set.above[2]);
     const std::uint64_t lying = std::uint64_t(set.lying[0] * set.lying[1]);
-    const double metres = drop(falling, set), gravity = -config.physics.gravity[1];
+    const double metres = all[s].drop, gravity = -config.physics.gravity[1];
     if (spheres == 0) continue;
     double step = 0;
     if (metres > 0) {
@@ -495,15 +521,17 @@ std::vector<Ahead> ahead(const SceneConfig& config) {
 void hurry(const SceneConfig& config, std::vector<BodyState>& states, bool pressed) {
   // Radii from middle to middle; other bodies than spheres stand further apart at first, and fall together.
   constexpr double kPressed = 2.02, kTogether = 2.45;
-  const FallingScene& falling = std::get<FallingScene>(config.scene);
+  const FallingScene& falling = config.keys<FallingScene>();
   const double gravity = -config.physics.gravity[1];
+  const std::vector<Fall> all = falls(falling);
   std::size_t body = 1 + falling.obstacles.size();
-  for (const FallingSet& set : falling.sets) {
+  for (std::size_t s = 0; s < falling.sets.size(); ++s) {
+    const FallingSet& set = falling.sets[s];
     body += std::size_t(set.lying[0] * set.lying[1]);
     const std::array<double, 3> from{set.corner[0] + falling.shift, set.height, set.corner[1] + falling.shift};
     const bool spheres = set.shapes.empty();
-    const double near = (spheres ? kPressed : kTogether) * radius_of(falling, set) / set.spacing;
-    const double metres = drop(falling, set), closer = pressed || !spheres ? std::min(1.0, near) : 1;
+    const double near = (spheres ? kPressed : kTogether) * all[s].radius / set.spacing;
+    const double metres = all[s].drop, closer = pressed || !spheres ? std::min(1.0, near) : 1;
     const std::size_t end = body + std::size_t(set.above[0] * set.above[1] * set.above[2]);
     for (; body < end; ++body) {
       if (!(metres > 0 && gravity > 0)) continue;
@@ -517,7 +545,7 @@ void hurry(const SceneConfig& config, std::vector<BodyState>& states, bool press
 }
 
 bool draws(const SceneConfig& config) {
-  const FallingScene& scene = std::get<FallingScene>(config.scene);
+  const FallingScene& scene = config.keys<FallingScene>();
   return scene.jitter > 0 || std::ranges::any_of(scene.sets, &FallingSet::turned);
 }
 

@@ -6,6 +6,8 @@
 // coordinate, offset + 8 scale. All positions are multiples of u, hence exact, also when both bodies are moved by
 // powers of two times u. The exact truth is bisected down to one u: at gap 0 the two meet, one ulp farther they do not.
 // With both turned at random an axis is as good a direction as any.
+#include "pipeline/scene/kinds/extremes.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +16,6 @@
 #include "geometry/decision/meet.hpp"
 #include "geometry/meshes/shapes.hpp"
 #include "geometry/random.hpp"
-#include "pipeline/scene/scene.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
 
@@ -172,7 +173,7 @@ void read(const Section& s, SceneConfig& config) {
 }
 
 void write(const SceneConfig& config, TomlText& out) {
-  const ExtremesScene& scene = std::get<ExtremesScene>(config.scene);
+  const ExtremesScene& scene = config.keys<ExtremesScene>();
   out.list("pairs", scene.pairs);
   out.list("scales", scene.scales);
   out.list("offsets", scene.offsets);
@@ -182,7 +183,7 @@ void write(const SceneConfig& config, TomlText& out) {
 // ---- Size and bodies -----------------------------------------------------------------------------------------------
 
 std::int64_t steps(const SceneConfig& config) {
-  const ExtremesScene& scene = std::get<ExtremesScene>(config.scene);
+  const ExtremesScene& scene = config.keys<ExtremesScene>();
   std::int64_t out = 0;
   for_each_set(scene, places(scene),
                [&](std::uint64_t, const PairKind&, const Place& place) { out += std::int64_t(place.gaps.size()); });
@@ -212,7 +213,7 @@ struct AllBodies {
 };
 
 SceneSize size(const SceneConfig& config) {
-  const ExtremesScene& scene = std::get<ExtremesScene>(config.scene);
+  const ExtremesScene& scene = config.keys<ExtremesScene>();
   const std::vector<Place> all = places(scene);
   const geometry::Bodies bodies = AllBodies(scene, all).bodies;
   SceneSize size{.bodies = bodies.size(), .meshes = bodies.meshes.size()};
@@ -236,7 +237,7 @@ SceneSize size(const SceneConfig& config) {
 }
 
 std::vector<Ahead> ahead(const SceneConfig& config) {
-  const ExtremesScene& scene = std::get<ExtremesScene>(config.scene);
+  const ExtremesScene& scene = config.keys<ExtremesScene>();
   std::vector<Ahead> out;
   double step = 0;
   for_each_set(scene, places(scene), [&](std::uint64_t, const PairKind&, const Place& place) {
@@ -331,7 +332,7 @@ class Approach {
 };
 
 Scene make(const SceneConfig& config) {
-  const ExtremesScene& extremes = std::get<ExtremesScene>(config.scene);
+  const ExtremesScene& extremes = config.keys<ExtremesScene>();
   const std::vector<Place> all = places(extremes);
   AllBodies table(extremes, all);
   Scene scene;

@@ -13,12 +13,14 @@
 //   friction 0.1 / 0.05    little: a bounce still turns spheres a little.
 //
 // A push adds to the velocity, as an impulse does: what flies fast against it is slowed down.
+#include "pipeline/scene/kinds/box.hpp"
+
 #include <cmath>
 #include <numbers>
 
 #include "geometry/meshes/shapes.hpp"
 #include "geometry/random.hpp"
-#include "pipeline/scene/scene.hpp"
+#include "pipeline/scene/shape_keys.hpp"
 #include "pipeline/terminal/error.hpp"
 
 namespace pipeline {
@@ -30,7 +32,7 @@ constexpr double kMostSpeed = 1e4;            // m/s
 constexpr std::size_t kPlates = 6;            // bodies 0 to 5; sphere i is body 6 + i
 constexpr char kAxes[] = "xyz";
 
-const BoxScene& box_of(const SceneConfig& config) { return std::get<BoxScene>(config.scene); }
+const BoxScene& box_of(const SceneConfig& config) { return config.keys<BoxScene>(); }
 
 /// Spheres that are born by `step`, that step included.
 std::int64_t born_by(const BoxScene& box, std::int64_t step) {

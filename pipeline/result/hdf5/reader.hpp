@@ -1,4 +1,4 @@
-// Reads checked datasets of an HDF5 file: what store.cpp makes a result of. Part of store.cpp but for its length.
+// Reads checked datasets of an HDF5 file: what a result is made of.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pipeline/result/dataset.hpp"
-#include "pipeline/result/h5.hpp"
+#include "pipeline/result/hdf5/h5.hpp"
 #include "pipeline/result/result.hpp"
 
 namespace pipeline {

@@ -4,13 +4,14 @@
 // Obstacles stand on a square grid in the plane y = 0, so wide that on every pass the hero's bounding sphere stays
 // clear of all obstacles but the target. A bounding sphere is about the body's position, of the nominal shape's half
 // extents: bounding_sphere and cannon_naive report nobody else either.
+#include "pipeline/scene/kinds/playground.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
 
 #include "geometry/portable_math.hpp"
-#include "pipeline/scene/scene.hpp"
 
 namespace pipeline {
 namespace {
@@ -278,7 +279,7 @@ void read(const Section& s, SceneConfig& config) {
 }
 
 void write(const SceneConfig& config, TomlText& out) {
-  const PlaygroundScene& scene = std::get<PlaygroundScene>(config.scene);
+  const PlaygroundScene& scene = config.keys<PlaygroundScene>();
   out.line("step", scene.step);
   out.table("[scene.hero]");
   write_shape(scene.hero, out);
@@ -309,7 +310,7 @@ void write(const SceneConfig& config, TomlText& out) {
 // ---- Size and bodies ---------------------------------------------------------------------------------------------
 
 std::int64_t steps(const SceneConfig& config) {
-  const std::vector<Pass> passes = all_passes(std::get<PlaygroundScene>(config.scene));
+  const std::vector<Pass> passes = all_passes(config.keys<PlaygroundScene>());
   return passes.back().first_step + passes.back().samples;
 }
 
@@ -337,7 +338,7 @@ struct Shapes {
 };
 
 SceneSize size(const SceneConfig& config) {
-  const PlaygroundScene& scene = std::get<PlaygroundScene>(config.scene);
+  const PlaygroundScene& scene = config.keys<PlaygroundScene>();
   const Shapes shapes(scene);
   SceneSize size{.bodies = shapes.of_body.size(), .meshes = shapes.distinct.size()};
   for (const Shape& shape : shapes.distinct) {
@@ -352,7 +353,7 @@ SceneSize size(const SceneConfig& config) {
 }
 
 Scene make(const SceneConfig& config) {
-  const PlaygroundScene& playground = std::get<PlaygroundScene>(config.scene);
+  const PlaygroundScene& playground = config.keys<PlaygroundScene>();
   Scene scene;
   geometry::Bodies& bodies = scene.bodies;
   const Shapes shapes(playground);
@@ -384,7 +385,7 @@ Scene make(const SceneConfig& config) {
 
 std::vector<Ahead> ahead(const SceneConfig& config) {
   std::vector<Ahead> out;
-  for (const Pass& pass : all_passes(std::get<PlaygroundScene>(config.scene)))
+  for (const Pass& pass : all_passes(config.keys<PlaygroundScene>()))
     out.push_back({.what = "passes", .first = double(pass.first_step + pass.samples - 1)});
   return out;
 }

@@ -1,0 +1,38 @@
+// The keys of kind = "replay".
+#pragma once
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/scene/scene.hpp"
+#include "pipeline/scene/shape_keys.hpp"
+
+namespace pipeline {
+
+/// One body of a replayed scene.
+struct ReplayBody {
+  std::string name;
+  std::string mesh;            // file as written; empty: a shape
+  std::optional<Shape> shape;  // else the mesh
+  bool fixed = false;
+  std::optional<std::array<double, 3>> position;  // m; of fixed bodies, when it is not in the CSV
+  std::array<double, 4> orientation{1, 0, 0, 0};  // w x y z, as written
+  std::string place;                              // of mesh or shape, for messages
+};
+
+/// kind = "replay": bodies and poses from files. Paths are relative to the configuration's folder.
+struct ReplayScene {
+  std::string poses, motion;      // a CSV file, or an earlier result with all its bodies; the other is empty
+  bool half_turns = false;        // the CSV's quaternions that begin with 0 are meant so
+  std::vector<std::string> only;  // empty: every pair counts
+  std::vector<ReplayBody> bodies;
+  std::string place, only_place;  // of poses or motion, and of only, for messages
+  // What is known of the files once they were read (SceneKind::complete):
+  std::optional<SceneSize> size;
+  std::vector<Ahead> births;
+};
+
+SceneKind replay_kind();
+
+}  // namespace pipeline
