@@ -54,8 +54,7 @@ SCENES = [
     for path in sorted((ROOT / "configs").glob("*.toml"))
     if "scene" in tomllib.loads(path.read_text(encoding="utf-8"))
 ]
-STEPS = {"kostka": 100, "hriste": 400, "replay_example": None, "padani": 30, "smoke": 40,
-         "heap": 50, "cup": 60}
+STEPS = {"cup": 44, "heap": 44, "kostka": 100, "hriste": 400, "replay_example": None, "padani": 30, "smoke": 40}
 
 
 @pytest.fixture(scope="session")
