@@ -138,7 +138,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       std::ofstream(folder / "manifest.json", std::ios::binary) << content;
       return ask_status(folder), 0;
     }
-    const Checkpoint part(folder, kKey, "title", kSteps, /*force=*/true, kind == 'c');
+    const Checkpoint part(folder, kKey, "title", kSteps, /*force=*/true, kind == 'c' ? "study" : "");
     const char* stage = kind == 'm'                  ? "motion"
                         : kind == 't' || kind == 'g' ? "truth"
                         : kind == 'c'                ? "case"

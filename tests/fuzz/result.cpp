@@ -79,7 +79,10 @@ std::vector<Result> results() {
   out[0].summary[0].contained_hit = 1;
   for (const Product& product : products())
     if (product.place == Product::Place::alone) {
-      product.sample(out.emplace_back());
+      Result& alone = out.emplace_back();
+      alone.title = product.name;
+      alone.provenance = out[0].provenance;
+      product.sample(alone);
     } else {
       product.sample(out[0]);
     }
