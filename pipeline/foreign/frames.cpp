@@ -113,6 +113,9 @@ QuestionFrame question_in(std::string_view content, std::size_t bodies) {
     run.a = in.get<std::uint32_t>();
     run.first = in.get<std::uint32_t>();
     run.last = in.get<std::uint32_t>();
+    if (run.a >= run.first || run.first >= run.last || run.last > bodies)
+      throw Fault("a question asks of pairs (" + whole(run.a) + ", b), b from " + whole(run.first) + " to below " +
+                  whole(run.last) + ", of " + whole(bodies) + " bodies");
   }
   return out;
 }

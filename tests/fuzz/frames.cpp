@@ -39,10 +39,10 @@ void take_reply(std::string_view content) {
 }
 
 void take_question(std::string_view content) {
-  const QuestionFrame question = question_in(content, kBodies);
+  const auto question = question_in(content, kBodies);
   require(question.poses.size() == kBodies, "a pose per body");
   for (const geometry::PairRun& run : question.runs)
-    require(run.a < run.first && run.first <= run.last && run.last <= kBodies, "a run is one of the bodies'");
+    require(run.a < run.first && run.first < run.last && run.last <= kBodies, "a run is one of the bodies'");
 }
 
 template <class Take>

@@ -251,8 +251,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       if (compare_digests) require(result.digest == base.digest, "what its digests cover is as it was");
       require_usable(result);
     } catch (const Error& error) {
-      require(error.code() == kFile, "a result is code 4");
-      fuzz::require_one_line(error.what());
+      require(error.code() == kFile, "a result is code 4");  // a text of the file is in it as it is: main() cuts it
     }
   }
   return 0;

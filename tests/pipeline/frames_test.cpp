@@ -102,6 +102,17 @@ TEST(Frames, AQuestionOfAnotherSizeIsNone) {
   EXPECT_NE(fault_of([&] { question_in(many, 2); }), "no fault") << "runs that are not there";
 }
 
+// Found by fuzzing: the runs were handed to a library as they came.
+TEST(Frames, AQuestionAsksOfItsBodiesOnly) {
+  const auto asked = [](const PairRun& run) {
+    return fault_of([&] { question_in(content_of(0, 0, std::vector<Pose>(3), std::vector<PairRun>{run}), 3); });
+  };
+  EXPECT_EQ(asked({0, 1, 3}), "no fault");
+  for (const PairRun& run : {PairRun{0, 1, 4}, PairRun{1, 1, 3}, PairRun{2, 1, 3}, PairRun{0, 2, 2}, PairRun{0, 3, 2},
+                             PairRun{0xffffffff, 1, 3}})
+    EXPECT_NE(asked(run), "no fault") << run.a << ' ' << run.first << ' ' << run.last;
+}
+
 TEST(Frames, AReplyHasTheWrittenLayout) {
   const Reply reply{1500.5, 500, 12, {{0, 1}, {3, 4}}};
   const std::string content = content_of(reply);
