@@ -150,7 +150,7 @@ void add_pairs(Group& group, const PairLists& hits, const std::string& what, con
 template <typename T>
 constexpr T kAbsent{};
 template <>
-constexpr double kAbsent<double> = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kAbsent<double> = std::numeric_limits<double>::quiet_NaN();
 
 /// A column of rows.
 template <typename Row, typename T, typename Stored>
