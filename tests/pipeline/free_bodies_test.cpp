@@ -240,7 +240,7 @@ TEST(FreeBodies, ALopsidedBallRocks) {
   double lowest = 0, highest = -1;
   for (int i = 1; i <= 60; ++i) {
     advance(simulation, i / 20.);
-    const auto& q = simulation.states()[1].orientation;
+    const auto q = simulation.states()[1].orientation;
     const double height = (rotation(q) * Vector{0.3, 0, 0})[1];
     lowest = std::min(lowest, height);
     if (lowest < -0.29) highest = std::max(highest, height);
