@@ -440,6 +440,14 @@ Config recorded_config(const std::string& effective, const std::string& file) {
   }
 }
 
+Config kept_config(const std::string& effective, const std::filesystem::path& from, const std::string& part) {
+  Config config = parsed(effective, from, {}, From::result);
+  if (!config.notes.empty())
+    throw Error(kInput, part + ": " + config.notes.front() + "; or name its configuration with --config");
+  if (config.scene_kind->complete) config.scene_kind->complete(config);
+  return config;
+}
+
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets,
                    const std::vector<std::string>& plugins) {
   Config config = parsed(bytes_of(path), path, sets, From::file, add_plugins(plugins));
