@@ -9,7 +9,7 @@ from analysis.figures import extremes as extremes_figures
 from analysis.figures import study as study_figures
 from analysis.figures import sweep as sweep_figures
 from analysis.figures import thesis as thesis_figures
-from analysis.report import findings
+from analysis.report import choice, findings
 from analysis.tables import pareto
 from analysis.figures.figure import Section, Table, Text
 from analysis.report.page import page
@@ -132,7 +132,8 @@ def sections(runs, found):
     scenes = [run for run in runs if not is_study(run)]
     usual = [run for run in scenes if not is_extremes(run)]
     studied = [*study_figures.sections(studies, runs), *extremes_figures.sections(scenes)]
-    answered = [error_against_cost(scenes, found), summary(scenes, found), definitions()] if scenes else []
+    which = [part for part in [choice.section(found)] if part]
+    answered = [*which, error_against_cost(scenes, found), summary(scenes, found), definitions()] if scenes else []
     if not studied:
         return [*answered, provenance(runs), *told, *study_figures.sections(usual), *thesis_figures.sections(usual)]
     if not usual:

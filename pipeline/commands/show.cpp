@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "pipeline/commands/choice.hpp"
 #include "pipeline/commands/command.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/result/columns.hpp"
@@ -161,6 +162,7 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
         json["algorithms"].back()[column.name] = *(row.*column.member);
     });
   }
+  json["which_one"] = Json::parse(advice_json(result));
 }
 
 }  // namespace
@@ -206,6 +208,7 @@ std::string result_text(const Result& result, bool digests) {
   text +=
       "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
       "per step, set-up is once; memory is heap at the most\n\n";
+  text += advice_text(result);
   text += times_text(result);
   text += foreign_text(result);
 
