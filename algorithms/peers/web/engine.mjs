@@ -41,6 +41,7 @@ function held() {
  *   prepare(there)         after the bodies were placed, there[body] is 1 for those that are born; may be left out
  *   meets(a, b)            of a pair; with about.near it is asked only of pairs whose boxes and balls touch
  *   report(hit)            instead: calls hit(a, b) for every pair that meets, whichever first, as often as it likes
+ *   remember(), forget()   as of the adapter; of those that have a memory between steps that can be put back
  */
 export function engine({packages, near = false, ...about}, make) {
   serve(async ({bodies, meshes, knobs}) => {
@@ -137,7 +138,8 @@ function method_of({bodies}, made, near) {
     });
     return hits;
   };
-  return {prepare, answer: made.meets ? by_pair : by_report};
+  const {remember, forget} = made;
+  return {prepare, answer: made.meets ? by_pair : by_report, ...(remember ? {remember, forget} : {})};
 }
 
 /** World boxes of turned boxes, and balls: what does not touch by both does not meet, also when it is rounded. */
