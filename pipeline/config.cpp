@@ -159,6 +159,7 @@ std::vector<std::string> command_words(const Section& s) {
 AlgorithmChoice program_choice(const Section& s, const std::filesystem::path& folder) {
   AlgorithmChoice choice{.name = "program", .label = s.text("label", "program"), .knobs = {}};
   choice.foreign = std::make_shared<Foreign>(program({command_words(s), folder}, read_budget(s)));
+  choice.optional = s.boolean("optional", false);
   for (const std::string& key : s.keys()) {
     if (key == "name" || key == "label" || key == "command" || key == "optional" ||
         std::ranges::count(kBudgetKeys, key))
@@ -449,24 +450,50 @@ Config read_config(const std::filesystem::path& path, const std::vector<std::str
     config.scene_kind->complete(config);
     config.effective = effective(config);
   }
-  find_files(config.algorithms);
+  const auto missing = find_files(config.algorithms);
   for (const Plugin& plugin : config.plugins) config.inputs[plugin.written] = plugin.sha256;
   for (const AlgorithmChoice& choice : config.algorithms)
     if (choice.foreign) config.inputs.insert(choice.foreign->files.begin(), choice.foreign->files.end());
+  for (const std::string& note : leave_out(missing, config)) config.notes.push_back(note);
   return config;
 }
 
-void find_files(std::vector<AlgorithmChoice>& choices) {
+std::vector<std::string> leave_out(const std::map<std::string, std::string>& missing, Config& config) {
+  std::vector<std::string> notes;
+  if (missing.empty()) return notes;
+  std::set<std::string> files, kept;
+  for (const AlgorithmChoice& choice : config.algorithms) {
+    const auto found = missing.find(choice.label);
+    if (found != missing.end())
+      notes.push_back("algorithm '" + choice.label + "' is left out: " + one_line(found->second, 1000));
+    if (choice.foreign)
+      for (const auto& [file, hash] : choice.foreign->files) (found != missing.end() ? files : kept).insert(file);
+  }
+  for (const std::string& file : files)
+    if (!kept.contains(file)) config.inputs.erase(file);
+  std::erase_if(config.algorithms, [&](const AlgorithmChoice& choice) { return missing.contains(choice.label); });
+  if (config.algorithms.empty()) throw Error(kInput, config.path.string() + ": " + notes.front() + "; so are all");
+  config.effective = effective(config);
+  return notes;
+}
+
+std::map<std::string, std::string> find_files(std::vector<AlgorithmChoice>& choices) {
+  std::map<std::string, std::string> missing;
   for (AlgorithmChoice& choice : choices) {
     if (!choice.foreign || choice.foreign->command.words.empty()) continue;
     Foreign found = *choice.foreign;
     const std::string& program = found.command.words.front();
-    if (program_of(found.command).empty())
+    if (program_of(found.command).empty()) {
+      const std::string none = "there is no program '" + one_line(program) + "' " +
+                               (program.find('/') == std::string::npos ? "along PATH" : "that can be executed");
+      if (choice.optional) {
+        missing[choice.label] = none;
+        continue;
+      }
       throw Error(kInput,
-                  "algorithm '" + choice.label + "': command \"" + text_of(found.command) +
-                      "\": there is no program '" + one_line(program) + "' " +
-                      (program.find('/') == std::string::npos ? "along PATH" : "that can be executed") +
+                  "algorithm '" + choice.label + "': command \"" + text_of(found.command) + "\": " + none +
                       "; give its path, relative to the configuration, or to the current folder after --algorithm");
+    }
     for (const auto& [word, file] : files_of(found.command)) {
       try {
         found.files[word] = sha256(read_regular(AT_FDCWD, file));
@@ -475,6 +502,7 @@ void find_files(std::vector<AlgorithmChoice>& choices) {
     }
     choice.foreign = std::make_shared<Foreign>(std::move(found));
   }
+  return missing;
 }
 
 AlgorithmChoice parse_algorithm(const std::string& argument, Containment containment) {

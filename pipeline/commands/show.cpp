@@ -32,6 +32,8 @@ std::string foreign_text(const Result& result) {
     if (!facts.version.empty()) text += " " + one_line(facts.version, 200);
     if (!facts.language.empty()) text += ", " + one_line(facts.language, 200);
     if (!facts.precision.empty()) text += ", " + one_line(facts.precision, 200) + " precision";
+    if (!facts.tests.empty()) text += ", tests " + one_line(facts.tests, 200);
+    if (!facts.licence.empty()) text += ", " + one_line(facts.licence, 200);
     if (facts.threads != 1) text += ", " + std::to_string(facts.threads) + " threads";
     text += '\n';
     if (failed(answers))
@@ -83,6 +85,8 @@ Json foreign_json(const Answers& answers) {
           {"version", facts.version},
           {"language", facts.language},
           {"precision", facts.precision},
+          {"tests", facts.tests},
+          {"licence", facts.licence},
           {"threads", facts.threads},
           {"status", failed(answers) ? "failed" : "complete"},
           {"reason", facts.reason},
