@@ -2,6 +2,8 @@
 #include <algorithm>
 
 #include "algorithms/aabb.hpp"
+#include "algorithms/beyond/capsule.hpp"
+#include "algorithms/beyond/spheres.hpp"
 #include "algorithms/cannon_naive.hpp"
 #include "algorithms/cannon_sap.hpp"
 #include "algorithms/exact.hpp"
@@ -37,6 +39,8 @@ std::vector<Algorithm> table() {
       cannon_sap(),       //
       exact(),            //
       exact_cold(),       //
+      spheres(),          //
+      capsule(),          //
       fcl_bvh(),          //
   };
 }
