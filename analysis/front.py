@@ -106,7 +106,8 @@ def replay(chosen, folder):
         containment = file["truth"].attrs.get("containment", "ignore")
         if "cases" in file:
             raise Refused(f"{chosen.config}: extremes are no motion; ask about a scene")
-    taken = {int(step): number for number, step in enumerate(np.unique(np.linspace(0, steps - 1, chosen.steps).round()))}
+    spread = np.unique(np.linspace(0, steps - 1, chosen.steps).round())
+    taken = {int(step): number for number, step in enumerate(spread)}
     with open(os.path.join(folder, "csv", "poses.csv")) as source, open(os.path.join(folder, "poses.csv"), "w") as file:
         rows = csv.DictReader(source)
         out = csv.DictWriter(file, rows.fieldnames, lineterminator="\n")
@@ -253,7 +254,8 @@ def configuration(text, kept, chosen):
                 out.append("")
         if not inside:
             out.append(line)
-    head = (f"# Which settings lie near the front of error and time, found by scripts/front {os.path.basename(chosen.config)}"
+    head = (f"# Which settings lie near the front of error and time, found by scripts/front"
+            f" {os.path.basename(chosen.config)}"
             f" --steps {chosen.steps}:\n# every method with its presets, then those near the front.\n\n")
     while out and out[0].startswith("#"):
         out.pop(0)

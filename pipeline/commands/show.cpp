@@ -158,6 +158,10 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
                                   {"operations_unit", answers.operations_unit},
                                   {"library", answers.library}});
     if (answers.foreign) json["algorithms"].back()["foreign"] = foreign_json(answers);
+    json["algorithms"].back()["timed_on"] = {{"host", answers.machine.host},
+                                             {"processor", answers.machine.processor},
+                                             {"build", answers.machine.build},
+                                             {"date", answers.machine.date}};
     if (answers.machine.pinned >= 0) json["algorithms"].back()["pinned"] = answers.machine.pinned;
     each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
       if constexpr (!is_optional<T>)
