@@ -1,8 +1,10 @@
-// The table of algorithms: one line each, the thesis's nine in its order, then those of other sources.
+// The table of algorithms: one line each, the thesis's nine in its order, then those of other sources and what the
+// thesis wished for.
 #include <algorithm>
 
 #include "algorithms/aabb.hpp"
 #include "algorithms/beyond/capsule.hpp"
+#include "algorithms/beyond/convex_hull.hpp"
 #include "algorithms/beyond/spheres.hpp"
 #include "algorithms/cannon_naive.hpp"
 #include "algorithms/cannon_sap.hpp"
@@ -39,6 +41,7 @@ std::vector<Algorithm> table() {
       cannon_sap(),       //
       exact(),            //
       exact_cold(),       //
+      convex_hull(),      //
       spheres(),          //
       capsule(),          //
       fcl_bvh(),          //

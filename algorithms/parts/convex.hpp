@@ -39,6 +39,9 @@ Convex convex_of(std::span<const Vec3> points);
 /// Bytes of it for that many corners, about.
 std::uint64_t convex_bytes(std::uint64_t corners);
 
+/// Bytes more that it takes while it is made.
+std::uint64_t convex_making_bytes(std::uint64_t corners);
+
 /// A convex solid at a step.
 struct PlacedConvex {
   const Convex* solid = nullptr;

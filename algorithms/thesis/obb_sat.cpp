@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "algorithms/contract/pairwise.hpp"
-#include "geometry/processor_clones.hpp"
+#include "algorithms/parts/balls_and_boxes.hpp"
 #include "geometry/vec.hpp"
 
 namespace algorithms {
@@ -12,26 +12,6 @@ namespace {
 using geometry::dot;
 using geometry::Mat3;
 using geometry::Vec3;
-
-/// The columns of the first two stages, metres: spheres and the world boxes of the turned corners.
-struct Columns {
-  std::vector<double> x, y, z, r, low_x, low_y, low_z, high_x, high_y, high_z;
-};
-
-/// Stages 1 and 2 of body a against first ... last - 1: 1 where the spheres and the boxes touch.
-PROCESSOR_CLONES void spheres_and_boxes_touch(const double* x, const double* y, const double* z, const double* r,
-                                              const double* low_x, const double* low_y, const double* low_z,
-                                              const double* high_x, const double* high_y, const double* high_z,
-                                              std::uint32_t a, std::uint32_t first, std::uint32_t last,
-                                              std::uint8_t* hit) {
-  const double ax = x[a], ay = y[a], az = z[a], ar = r[a];
-  const double alx = low_x[a], aly = low_y[a], alz = low_z[a], ahx = high_x[a], ahy = high_y[a], ahz = high_z[a];
-  for (std::uint32_t b = first; b < last; ++b) {
-    const double dx = x[b] - ax, dy = y[b] - ay, dz = z[b] - az, reach = ar + r[b];
-    hit[b - first] = (reach * reach >= dx * dx + dy * dy + dz * dz) & (alx <= high_x[b]) & (low_x[b] <= ahx) &
-                     (aly <= high_y[b]) & (low_y[b] <= ahy) & (alz <= high_z[b]) & (low_z[b] <= ahz);
-  }
-}
 
 /// The box in the world: middle, half sizes along its axes; row[k][i] is coordinate k of axis i, so that the products
 /// of one axis with all three of another box are computed side by side.
@@ -85,12 +65,11 @@ struct ObbSat {
       half.push_back(box.half_size());
     }
     boxes.resize(bodies.size());
-    for (auto* column : {&s.x, &s.y, &s.z, &s.r, &s.low_x, &s.low_y, &s.low_z, &s.high_x, &s.high_y, &s.high_z})
-      column->resize(bodies.size());
+    rejecting.resize(bodies.size());
   }
 
   static Memory memory(const Bodies& bodies, const Knobs&) {
-    return memory_by_body(bodies, 2 * sizeof(Vec3) + sizeof(OrientedBox) + 10 * sizeof(double));
+    return memory_by_body(bodies, 2 * sizeof(Vec3) + sizeof(OrientedBox) + geometry::BallsAndBoxes::kBytes);
   }
 
   void prepare(std::span<const Pose> poses, double enlarge) {
@@ -114,37 +93,19 @@ struct ObbSat {
         world.add(geometry::to_world(r, pose.t, local_middle[body] + side));
       }
       const Vec3& h = box.half;
-      s.x[body] = box.middle.x();
-      s.y[body] = box.middle.y();
-      s.z[body] = box.middle.z();
       // 2^-50: the rounding of a root and three squares, so that the ball surely holds the box.
-      s.r[body] = std::sqrt(h.x() * h.x() + h.y() * h.y() + h.z() * h.z()) * (1 + 0x1p-50);
-      s.low_x[body] = world.min.x();
-      s.low_y[body] = world.min.y();
-      s.low_z[body] = world.min.z();
-      s.high_x[body] = world.max.x();
-      s.high_y[body] = world.max.y();
-      s.high_z[body] = world.max.z();
+      const double radius = std::sqrt(h.x() * h.x() + h.y() * h.y() + h.z() * h.z()) * (1 + 0x1p-50);
+      rejecting.set(body, box.middle, radius, world);
     }
   }
 
   template <class Count>
   bool hit(std::uint32_t a, std::uint32_t b, Count& count) const {
-    count += 1;
-    const double dx = s.x[b] - s.x[a], dy = s.y[b] - s.y[a], dz = s.z[b] - s.z[a], reach = s.r[a] + s.r[b];
-    if (reach * reach < dx * dx + dy * dy + dz * dz) return false;
-    count += 1;
-    if (s.low_x[a] > s.high_x[b] || s.low_x[b] > s.high_x[a]) return false;
-    count += 1;
-    if (s.low_y[a] > s.high_y[b] || s.low_y[b] > s.high_y[a]) return false;
-    count += 1;
-    if (s.low_z[a] > s.high_z[b] || s.low_z[b] > s.high_z[a]) return false;
-    return axes_overlap(boxes[a], boxes[b], count);
+    return rejecting.touch(a, b, count) && axes_overlap(boxes[a], boxes[b], count);
   }
 
   void row(std::uint32_t a, std::uint32_t first, std::uint32_t last, std::uint8_t* out) const {
-    spheres_and_boxes_touch(s.x.data(), s.y.data(), s.z.data(), s.r.data(), s.low_x.data(), s.low_y.data(),
-                            s.low_z.data(), s.high_x.data(), s.high_y.data(), s.high_z.data(), a, first, last, out);
+    rejecting.touch_row(a, first, last, out);
     NoCount none;
     for (std::uint32_t b = first; b < last; ++b)
       if (out[b - first]) out[b - first] = axes_overlap(boxes[a], boxes[b], none);
@@ -152,7 +113,7 @@ struct ObbSat {
 
   std::vector<Vec3> local_middle, half;  // of the local vertex boxes, metres
   std::vector<OrientedBox> boxes;        // of the step
-  Columns s;                             // of the step
+  geometry::BallsAndBoxes rejecting;     // of the step: stages 1 and 2
 };
 
 }  // namespace
