@@ -114,8 +114,11 @@ algorithms::Value knob_value(const Section& s, const algorithms::Knob& knob) {
     if (rule.starts_with("must ")) rule.erase(0, std::strlen("must "));
     const auto* text = std::get_if<std::string>(&value);
     std::string remedy;
-    if (text && knob.role == algorithms::Role::prefilter && algorithms::find(*text))
-      remedy = "a method of a library answers in a process of its own and cannot filter for another";
+    const bool other = knob.role == algorithms::Role::prefilter || knob.role == algorithms::Role::then;
+    if (const algorithms::Algorithm* named = text && other ? algorithms::find(*text) : nullptr)
+      remedy = named->scope == algorithms::Scope::scene
+                   ? "it has a broad phase of its own"
+                   : "a method of a library answers in a process of its own and cannot stand beside another";
     else if (const std::string meant = text ? nearest(*text, knob.choices) : ""; !meant.empty())
       remedy = "did you mean '" + meant + "'?";
     s.refuse(knob.name, rule, remedy);
