@@ -48,12 +48,10 @@ def own(name):
 def answered(scene, folder, rows):
     """A small motion, answered by rows."""
     config = (ROOT / "tests" / "baselines" / f"{scene}.toml").read_text()
-    config = config.replace("../data", str(ROOT / "tests" / "data")).split("\n[[algorithm]]")[0]
-    if "[timing]" not in config:
-        config += "\n[timing]\nrepeats = 1\n"
-    if scene == "playground":
-        config = config.replace("step = 0.5", "step = 1.0")
-    (folder / f"{scene}.toml").write_text(config + '\n[truth]\ncontainment = "record"\n' + "".join(rows))
+    config = config.replace("../data", str(ROOT / "tests" / "data")).replace("step = 0.5", "step = 1.0")
+    config = re.split(r"\n\[truth|\n\[timing|\n\[\[algorithm", config)[0]
+    config += '\n[truth]\ncontainment = "record"\n[timing]\nrepeats = 1\n'
+    (folder / f"{scene}.toml").write_text(config + "".join(rows))
     path = folder / f"{scene}.h5"
     run = pipeline("run", folder / f"{scene}.toml", "-o", path, "--quiet")
     assert run.returncode == DONE, run.stderr
