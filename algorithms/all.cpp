@@ -13,6 +13,7 @@
 #include "algorithms/exact.hpp"
 #include "algorithms/exact_cold.hpp"
 #include "algorithms/peers/fcl_bvh.hpp"
+#include "algorithms/peers/plugins.hpp"
 #include "algorithms/thesis/bounding_sphere.hpp"
 #include "algorithms/thesis/facet_distance.hpp"
 #include "algorithms/thesis/facet_rotations.hpp"
@@ -28,7 +29,7 @@ namespace {
 
 /// Every row, missing ones too.
 std::vector<Algorithm> table() {
-  return {
+  std::vector<Algorithm> out = {
       obb_sat(),          //
       bounding_sphere(),  //
       rotated_aabb(),     //
@@ -50,6 +51,8 @@ std::vector<Algorithm> table() {
       all_triangles(),    //
       fcl_bvh(),          //
   };
+  std::ranges::move(plugin_peers(), std::back_inserter(out));
+  return out;
 }
 
 /// The rows of which this build has the library, or those of which it has not. Any pairwise row that it has may answer
@@ -99,6 +102,6 @@ const Algorithm* find(std::string_view name) {
   return own ? own : named(added(), name);
 }
 
-const Algorithm* find_missing(std::string_view name) { return named(missing(), name); }
+const Algorithm* find_missing(std::string_view name) { return named(added(), name) ? nullptr : named(missing(), name); }
 
 }  // namespace algorithms

@@ -192,9 +192,10 @@ AlgorithmChoice algorithm_choice(const Section& s, Containment containment, cons
     if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
     return choice;
   }
+  if (const algorithms::Algorithm* missing = algorithms::find_missing(name))
+    if (const std::string needed = lacking(*missing); !needed.empty())
+      s.refuse("name", "be an algorithm of this build", "it needs " + needed);
   const algorithms::Algorithm* row = algorithms::find(name);
-  if (const algorithms::Algorithm* lacking = algorithms::find_missing(name))
-    s.refuse("name", "be an algorithm of this build", "it needs " + algorithms::remedy(*lacking));
   if (!row) s.refuse("name", "be the name of an algorithm", hint(name, names));
 
   std::vector<std::string> known{"name", "label", "optional"};
@@ -209,6 +210,7 @@ AlgorithmChoice algorithm_choice(const Section& s, Containment containment, cons
     if (s.has(knob.name)) choice.knobs[knob.name] = knob_value(s, knob);
   }
   if (foreign) choice.foreign = std::make_shared<Foreign>(library(*row, choice.knobs, read_budget(s)));
+  choice.optional = foreign && s.boolean("optional", false);
   return choice;
 }
 
@@ -221,7 +223,7 @@ std::string lacks(const Section& s, const Config& config, bool recorded) {
     return "its program, which no result starts by itself; give it with --algorithm program:command=...";
   const algorithms::Algorithm* missing = algorithms::find_missing(name);
   if (const bool may_go = s.boolean("optional", false); missing && (may_go || recorded))
-    return algorithms::remedy(*missing);
+    if (const std::string needed = lacking(*missing); !needed.empty()) return needed;
   if (!recorded || config.plugins.empty() || algorithms::find(name)) return "";
   std::string libraries;
   for (const Plugin& plugin : config.plugins)
