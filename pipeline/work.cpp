@@ -1,7 +1,9 @@
 #include "pipeline/work.hpp"
 
+#include <cstdio>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "pipeline/config.hpp"
 #include "pipeline/result/checkpoint.hpp"
@@ -35,19 +37,23 @@ bool is_assembled(const fs::path& part) {
   return !fs::exists(part, none) && fs::is_regular_file(result_of(part), none);
 }
 
+/// Less what is optional and not here, as the run's.
 Config config_of(const Checkpoint& part, const fs::path& folder, const WorkOptions& options) {
-  if (!options.config.empty()) {
-    Config config = read_config(options.config, options.sets, options.plugins);
-    part.require(checkpoint_key(config, provenance()), options.config.string());
-    return config;
-  }
   const auto kept = part.description();
-  if (!kept)
+  if (options.config.empty() && !kept)
     throw Error(kFile, folder.string() +
                            ": does not say what is run (no readable configuration in it); the same "
                            "`pipeline run` mends it");
-  Config config = kept_config(kept->configuration, kept->from, folder.string());
-  part.require(checkpoint_key(config, provenance()), "what " + kept->from.string() + " and this program make");
+  Config config = options.config.empty() ? kept_config(kept->configuration, kept->from, folder.string())
+                                         : read_config(options.config, options.sets, options.plugins);
+  if (config.study) throw Error(kInput, options.config.string() + ": is a study, which has no chunks to share");
+  const Scene scene = make_scene(config);
+  if (scene.case_sets.empty())
+    for (const std::string& note : leave_out(refuse_unfit(scene.bodies, config.algorithms).silent, config))
+      std::fprintf(stderr, "warning: %s\n", note.c_str());
+  part.require(checkpoint_key(config, provenance()), options.config.empty()
+                                                         ? "what " + kept->from.string() + " and this program make"
+                                                         : options.config.string());
   return config;
 }
 
@@ -65,7 +71,6 @@ class Worker {
         quiet_(options.quiet),
         truth_there_(chunk_count(config.steps)),
         answers_there_(truth_there_.size()) {
-    if (scene_.case_sets.empty()) refuse_unfit(scene_.bodies, config.algorithms);
     truth_ = {.name = "truth",
               .steps = config.steps,
               .threads = thread_count(options.threads),

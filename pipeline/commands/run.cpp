@@ -34,6 +34,7 @@ void add_run(CLI::App& program, int& code) {
     warn(suspicions());
     o->output = o->file;
     const Config config = read_config(o->config, o->sets, o->plugins);
+    if (!o->quiet) tell(config.understood);
     warn(config.notes);
     if (const std::string left = left_out(config); !left.empty()) warn({left});
     const std::string output = output_path(config, *o).string();

@@ -53,7 +53,7 @@ Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
   using Clock = std::chrono::steady_clock;
   try {
     Entry entry;
-    entry.promise = row_of(choice).promise;
+    entry.promise = algorithms::promise(row_of(choice), choice.knobs);
     std::chrono::nanoseconds spent;
     {
       const CountingHeap now(entry.heap);
@@ -83,6 +83,8 @@ void adopt(const About& about, Answers& answers) {
   facts.version = about.version;
   facts.language = about.language;
   facts.precision = about.precision;
+  facts.tests = about.tests;
+  facts.licence = about.licence;
   facts.threads = about.threads;
 }
 
@@ -273,9 +275,9 @@ OutOfMemory::OutOfMemory(const AlgorithmChoice& choice, const Bodies& bodies)
                         bytes_text(algorithms::memory(row_of(choice), bodies, choice.knobs).greatest) +
                         ": sample fewer facets, or take fewer bodies or segments") {}
 
-std::map<std::string, About> refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
+Heard refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
   constexpr std::uint64_t kLarge = 64 << 20;  // bytes; making more takes too long to be done only to ask
-  std::map<std::string, About> abouts;
+  Heard heard;
   for (const AlgorithmChoice& choice : choices) {
     try {
       if (!choice.foreign && algorithms::memory(row_of(choice), bodies, choice.knobs).greatest > kLarge) continue;
@@ -284,8 +286,12 @@ std::map<std::string, About> refuse_unfit(const Bodies& bodies, const std::vecto
     }
     try {
       const Entry entry = set_up(bodies, choice);
-      if (entry.foreign) abouts[choice.label] = entry.foreign->about();
+      if (entry.foreign) heard.abouts[choice.label] = entry.foreign->about();
     } catch (const Fault& fault) {
+      if (choice.optional) {
+        heard.silent[choice.label] = fault.what();
+        continue;
+      }
       const std::string command = text_of(choice.foreign->command);
       throw Error(kInput,
                   "algorithm '" + choice.label + "': " +
@@ -294,7 +300,7 @@ std::map<std::string, About> refuse_unfit(const Bodies& bodies, const std::vecto
                       fault.what());
     }
   }
-  return abouts;
+  return heard;
 }
 
 struct Detector::Asked {
@@ -364,7 +370,7 @@ std::vector<Answers> Detector::none() const {
     answers.label = choice.label;
     answers.name = row.name;
     answers.knobs = knobs_json(choice.knobs);
-    answers.promise = algorithms::text(row.promise);
+    answers.promise = algorithms::text(algorithms::promise(row, choice.knobs));
     answers.thesis_key = row.thesis_key;
     answers.operations_unit = row.operations_unit;
     answers.scope = algorithms::text(row.scope);
