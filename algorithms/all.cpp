@@ -1,7 +1,11 @@
-// The table of algorithms: one line each, the thesis's nine in its order, then those of other sources.
+// The table of algorithms: one line each, the thesis's nine in its order, then those of other sources and what the
+// thesis wished for.
 #include <algorithm>
 
 #include "algorithms/aabb.hpp"
+#include "algorithms/beyond/capsule.hpp"
+#include "algorithms/beyond/convex_hull.hpp"
+#include "algorithms/beyond/spheres.hpp"
 #include "algorithms/cannon_naive.hpp"
 #include "algorithms/cannon_sap.hpp"
 #include "algorithms/exact.hpp"
@@ -38,6 +42,9 @@ std::vector<Algorithm> table() {
       cannon_sap(),       //
       exact(),            //
       exact_cold(),       //
+      convex_hull(),      //
+      spheres(),          //
+      capsule(),          //
       fcl_bvh(),          //
   };
   std::ranges::move(plugin_peers(), std::back_inserter(out));

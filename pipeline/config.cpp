@@ -27,7 +27,6 @@ namespace {
 constexpr std::size_t kMostBytes = 16 << 20;
 constexpr std::size_t kMostTitle = 1024;              // characters
 constexpr std::int64_t kMostSteps = 10000000;         // at 274 bodies 120 GB of motion: further is a mistake
-constexpr double kLeastRate = 1e-6, kMostRate = 1e6;  // samples per second
 constexpr std::int64_t kMostRepeats = 1000;
 constexpr double kGapMargin = 0.1;          // m
 constexpr double kMostClosedWithin = 1e-3;  // of a mesh's size: more is no hair, but the mesh

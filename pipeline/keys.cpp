@@ -73,14 +73,18 @@ constexpr KeyText kTexts[] = {
     {"scene.path.N.to", "m", "end of the path, from the target", true},
     {"scene.path.N.rotation", "degrees", "turns of the hero about axes of the world, one after another"},
     {"scene.path.N.orientation", "1", "of the hero, w, x, y, z; instead of rotation", true},
-    {"scene.poses", "1", "CSV of poses; or motion", true},
+    {"scene.poses", "1", "CSV of poses; or motion, or poses of each moving body", true},
     {"scene.motion", "1", "result whose bodies and poses are taken; instead of poses and bodies", true},
     {"scene.only", "1", "only pairs with one of these bodies count; without it all"},
     {"scene.half_turns", "1", "that a first quaternion begins with 0 is meant, and not asked about"},
+    {"scene.quaternion_tolerance", "1", "how far from 1 the length of a quaternion, or of a matrix's columns, may be"},
+    {"scene.euler", "1", "order of angles: \"xyz\" about fixed axes, x first; \"XYZ\" about the body's own", true},
     {"scene.body.N.name", "1", "name of the body, as in the CSV", true},
     {"scene.body.N.mesh", "1", "file of its mesh (OBJ, OFF, STL or PLY); or shape", true},
     {"scene.body.N.shape", "1", "built-in shape (`pipeline list shapes`); instead of mesh", true},
     {"scene.body.N.fixed", "1", "it never moves"},
+    {"scene.body.N.poses", "1", "of a moving body: CSV of its own, also lines of TUM; instead of those of the scene",
+     true},
     {"scene.body.N.position", "m", "of a fixed body; else one row of the CSV at step 0", true},
     {"scene.body.N.orientation", "1", "of a fixed body, w, x, y, z"},
     {"scene.pairs", "1", "pairs of shapes"},
@@ -175,7 +179,8 @@ const std::multimap<std::string, std::string> kMore = {
      "[[scene.path]]\naxis = 'x'\n[[scene.path]]\naxis = 'y'\nrotation = [['x', 1]]\n"
      "[[scene.path]]\nfrom = [0, 0, 0]\nto = [1, 0, 0]\norientation = [1, 0, 0, 0]\n"},
     {"replay",
-     "poses = 'p.csv'\n[[scene.body]]\nname = 'a'\nmesh = 'a.obj'\n[[scene.body]]\nname = 'b'\nshape = 'sphere'\n"
+     "poses = 'p.csv'\neuler = 'xyz'\n[[scene.body]]\nname = 'a'\nmesh = 'a.obj'\nposes = "
+     "'a.txt'\n[[scene.body]]\nname = 'b'\nshape = 'sphere'\n"
      "radius = 1\nfixed = true\nposition = [0, 0, 0]\norientation = [1, 0, 0, 0]\n"},
     {"replay", "motion = 'm.h5'\n"},
 };

@@ -375,6 +375,7 @@ std::string plan_text(const Config& config, const Plan& plan, const Seconds& tim
   });
   if (!facets) text += "facets      no chosen algorithm samples them, so no facet points are computed\n";
   for (const auto& [file, hash] : config.inputs) text += "input       " + file + "\n";
+  for (const std::string& line : config.understood) text += "read        " + one_line(line, 4096) + "\n";
   for (const AlgorithmChoice& choice : config.algorithms)
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
             knobs_json(choice.knobs) + "\n" + foreign_text(choice, plan);
@@ -408,6 +409,7 @@ std::string plan_json(const Config& config, const Plan& plan, const Seconds& tim
                    {"repeats", config.repeats}});
   json["containment"] = text_of(config.containment);
   json["inputs_sha256"] = config.inputs;
+  json["understood"] = config.understood;
   json["algorithms"] = Json::array();
   for (const AlgorithmChoice& choice : config.algorithms)
     json["algorithms"].push_back(

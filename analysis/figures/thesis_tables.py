@@ -7,9 +7,10 @@ import pandas as pd
 
 from analysis.tables import thresholds as t
 from analysis.figures.drawing import NotDrawn, caption, comparable, digits, key, log_seconds, steps_of
-from analysis.figures.figure import PALETTE, Figure, Table, figure, svg_of
+from analysis.figures.figure import PALETTE, Figure, Verdicts, figure, svg_of
 from analysis.tables.scenes import twins
-from analysis.tables.statements import CAREFUL, KEYS, shown, verdicts
+from analysis.tables.clauses import KEYS
+from analysis.tables.statements import CAREFUL, verdicts
 
 # Mean milliseconds per step, Babylon.js in a browser: letter -> (table 5.1, the box; table 5.2, the falling scene).
 THESIS_MS = {
@@ -120,28 +121,23 @@ def means_figure(run, kind, name):
     return Figure(title, svg_of(fig), caption(run, what, f"table {TABLE[kind]}"), table, name)
 
 
-def statements_table(scenes, notes=()):
-    """The verdicts as a Table; scenes: as of statements.verdicts; notes: sentences on where the data come from."""
+def statements_part(scenes, notes=()):
+    """The verdicts as Verdicts; scenes: as of statements.verdicts; notes: sentences on where the data come from."""
     found = verdicts(scenes)
-    rows = []
-    for verdict in found:
-        word, _, why = verdict.verdict.partition(": ")  # why: only of what is not testable
-        figures = "; ".join(f"{name}: {shown(value)}" for name, value in verdict.figures.items())
-        form = "careful" if verdict.variant else "as published"
-        rows.append((verdict.number, form, word, spelled(verdict.text), figures or why))
-    frame = pd.DataFrame(rows, columns=["no.", "form", "verdict", "the thesis says", "figures"])
-    careful = frame[frame.form == "careful"]
-    title = f"Of the thesis's {(frame.form != 'careful').sum()} statements {counted(frame[frame.form != 'careful'])}"
-    title += f". Of {len(careful)} judged again on the careful form {counted(careful)}" if len(careful) else ""
+    careful = [verdict for verdict in found if verdict.variant]
+    published = [verdict for verdict in found if not verdict.variant]
+    title = f"Of the thesis's {len(published)} statements {counted(published)}"
+    title += f". Of {len(careful)} judged again on the careful form {counted(careful)}" if careful else ""
     letters = ", ".join(f"{letter} {label}" for letter, label in KEYS.items())
     text = (
         f"{letters}. What words such as “slightly” mean is a number of analysis/tables/thresholds.py, fixed before "
         "there were "
         f"results: early and late count from {t.EXACT_M} m on, “slightly” ends at {t.SLIGHT_M} m, “too early” begins "
-        f"at {t.TOO_EARLY_M} m. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. "
-        "Lengths are in m, times ratios, shares of 1."
+        f"at {t.TOO_EARLY_M} m. A near miss is within {100 * t.NEAR:g} % of what was needed, or one pass or sample "
+        f"from it. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. "
+        "Times are ratios, the rest shares of 1 unless a unit is named."
     )
-    return Table(title, frame.set_index("no."), " ".join([text, *notes]))
+    return Verdicts(title, found, " ".join([text, *notes]))
 
 
 def spelled(text):
@@ -154,8 +150,10 @@ def spelled(text):
     return text
 
 
-def counted(frame):
-    """the data confirm 12 and refute 10; 7 cannot be tested."""
-    count = frame.verdict.value_counts()
-    confirmed, refuted, rest = (count.get(word, 0) for word in ("confirmed", "refuted", "not testable"))
-    return f"the data confirm {confirmed} and refute {refuted}" + (f"; {rest} cannot be tested" if rest else "")
+def counted(found):
+    """the data confirm 12 and refute 10, 2 of them by a near miss; 7 cannot be tested."""
+    confirmed, refuted = (sum(verdict.verdict == word for verdict in found) for word in ("confirmed", "refuted"))
+    near, rest = sum(verdict.near for verdict in found), len(found) - confirmed - refuted
+    text = f"the data confirm {confirmed} and refute {refuted}"
+    text += f", {near} of them by a near miss" if near else ""
+    return text + (f"; {rest} cannot be tested" if rest else "")

@@ -29,6 +29,7 @@ void add_run(CLI::App& program, int& code) {
     warn(suspicions());
     o->output = o->file;
     const Config config = read_config(o->config, o->sets, o->plugins);
+    if (!o->quiet) tell(config.understood);
     warn(config.notes);
     if (const std::string left = left_out(config); !left.empty()) warn({left});
     code = finish(run(config, *o), output_path(config, *o).string(), o->json, o->digests);

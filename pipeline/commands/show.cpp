@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "pipeline/commands/choice.hpp"
 #include "pipeline/commands/command.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/result/columns.hpp"
@@ -157,6 +158,10 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
                                   {"operations_unit", answers.operations_unit},
                                   {"library", answers.library}});
     if (answers.foreign) json["algorithms"].back()["foreign"] = foreign_json(answers);
+    json["algorithms"].back()["timed_on"] = {{"host", answers.machine.host},
+                                             {"processor", answers.machine.processor},
+                                             {"build", answers.machine.build},
+                                             {"date", answers.machine.date}};
     if (answers.machine.pinned >= 0) json["algorithms"].back()["pinned"] = answers.machine.pinned;
     each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
       if constexpr (!is_optional<T>)
@@ -165,6 +170,7 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
         json["algorithms"].back()[column.name] = *(row.*column.member);
     });
   }
+  json["which_one"] = Json::parse(advice_json(result));
 }
 
 }  // namespace
@@ -210,6 +216,7 @@ std::string result_text(const Result& result, bool digests) {
   text +=
       "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
       "per step, set-up is once; memory is heap at the most\n\n";
+  text += advice_text(result);
   text += times_text(result);
   text += foreign_text(result);
 

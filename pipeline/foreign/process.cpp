@@ -280,7 +280,10 @@ std::string Process::ending() {
   return "it " + ended_text(status);
 }
 
-Process::Answer Process::ask(std::string_view question, const Expected& expected, double seconds) {
+Process::Answer Process::ask(std::string_view kind, std::string_view content, Expected expected, double seconds) {
+  expected.number = asked_++;
+  const std::string frame_sent = frame(kind, expected.number, content);
+  std::string_view question = frame_sent;  // what of it is still to be written
   const auto throw_fault = [&](const std::string& why) { fail(why); };
   bytes_.erase(0, used_);
   used_ = 0;

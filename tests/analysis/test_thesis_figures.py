@@ -18,9 +18,9 @@ from analysis.figures import playground as playground_map
 from analysis.figures import steps as step_figures
 from analysis.figures import thesis as thesis_figures
 from analysis.figures.drawing import NotDrawn
-from analysis.figures.figure import Figure, Table, figure, style
+from analysis.figures.figure import Figure, Verdicts, figure, style
 from analysis.load import load
-from analysis.tables.statements import KEYS
+from analysis.tables.clauses import KEYS
 
 LETTERS = {name: letter for letter, name in KEYS.items()}
 
@@ -465,21 +465,24 @@ def test_metres_that_round_to_nothing_have_no_sign():
 
 
 def test_verdicts_are_counted_in_the_title(monkeypatch):
+    from analysis.tables.clauses import Clause
     from analysis.tables.statements import Verdict
 
+    failed, close = Clause("ratio", 2.0, "> 3", False), Clause("ratio", 2.9, "> 3", False, near=True)
     found = [
-        Verdict(1, "", "confirmed", {"ratio": 2.0}, "one"),
-        Verdict(2, "", "refuted", {"ratio": 1234.5}, "two"),
-        Verdict(2, "careful", "confirmed", {}, "two"),
-        Verdict(3, "", "not testable: no file", {}, "three"),
+        Verdict(1, "", "confirmed", [], "one"),
+        Verdict(2, "", "refuted", [failed, close], "two"),
+        Verdict(2, "careful", "confirmed", [], "two"),
+        Verdict(3, "", "refuted", [close], "three"),
+        Verdict(4, "", "not testable: no file", [], "four"),
     ]
     monkeypatch.setattr(thesis_tables, "verdicts", lambda scenes: found)
-    table = thesis_tables.statements_table({})
-    assert table.title == (
-        "Of the thesis's 3 statements the data confirm 1 and refute 1; 1 cannot be tested. Of 1 judged again on the "
-        "careful form the data confirm 1 and refute 0"
+    part = thesis_tables.statements_part({})
+    assert part.title == (
+        "Of the thesis's 4 statements the data confirm 1 and refute 2, 1 of them by a near miss; 1 cannot be tested. Of 1 "
+        "judged again on the careful form the data confirm 1 and refute 0"
     )
-    assert table.frame.figures.tolist() == ["ratio: 2", "ratio: 1234", "", "no file"]
+    assert part.found == found
 
 
 def test_statements_about_one_or_two_algorithms_name_them():
@@ -507,10 +510,10 @@ def words(figure):
     return set(lines) | {word for line in lines for word in line.split()}
 
 
-def test_no_file_leaves_29_statements_untested():
+def test_no_file_leaves_all_statements_untested():
     (section,) = thesis_figures.sections([])
     title = section.parts[0].title
-    assert title == "Of the thesis's 29 statements the data confirm 0 and refute 0; 29 cannot be tested"
+    assert title == "Of the thesis's 57 statements the data confirm 0 and refute 0; 57 cannot be tested"
     assert sum(text.startswith("No file of a ") for text in texts([section])) == 3
 
 
@@ -557,7 +560,7 @@ HOSTILE = {
 @pytest.mark.parametrize("run", HOSTILE.values(), ids=HOSTILE)
 def test_what_cannot_be_drawn_is_said_and_nothing_raises(run):
     found = thesis_figures.sections([run])
-    assert isinstance(found[-1].parts[0], Table)
+    assert isinstance(found[-1].parts[0], Verdicts)
     for one in figures(found):
         assert "nan" not in words(one)
         assert one.title and "nan" not in one.title and one.caption.count("n = ") == 1, one.title
@@ -604,6 +607,6 @@ def test_missing_groups_are_said_and_nothing_raises(result_file, tmp_path, group
         for group in groups:
             del file[group]
     found = thesis_figures.sections([load(path)])
-    assert isinstance(found[-1].parts[0], Table)
+    assert isinstance(found[-1].parts[0], Verdicts)
     assert bool(figures(found)) == (not why)
     assert any(why in text for text in texts(found))

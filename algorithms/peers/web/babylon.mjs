@@ -1,12 +1,14 @@
 // What the labels of Babylon.js share: meshes without a screen, asked by intersectsMesh.
-import {engine} from './engine.mjs';
+import {engine, refuse} from './engine.mjs';
 
-/** Meshes of a scene without a screen. `precision`, a knob: "single" as Babylon.js comes, or "double". */
-export async function babylon_scene({bodies, meshes}, {precision = 'single'}) {
+/** A mesh of Babylon.js for every body, in a scene without a screen. `precision` of its matrices: "single" as it comes,
+ *  or "double". */
+export async function babylon_scene({bodies, meshes}, precision) {
   const [{PerformanceConfigurator}, {NullEngine}, {Scene}, {Mesh}, {VertexData}, {Quaternion}] = await Promise.all([
     import('@babylonjs/core/Engines/performanceConfigurator.js'), import('@babylonjs/core/Engines/nullEngine.js'),
     import('@babylonjs/core/scene.js'), import('@babylonjs/core/Meshes/mesh.js'),
     import('@babylonjs/core/Meshes/mesh.vertexData.js'), import('@babylonjs/core/Maths/math.vector.js')]);
+  if (!['single', 'double'].includes(precision)) refuse(`precision must be "single" or "double", not '${precision}'`);
   if (precision === 'double') PerformanceConfigurator.SetMatrixPrecision(true);
   const scene = new Scene(new NullEngine());
   const data = new Map(meshes.map(mesh => {
@@ -30,11 +32,10 @@ export function place_in_babylon(mesh, pose, at) {
 }
 
 export function babylon(name, tests, precise) {
-  const about = {name, packages: ['@babylonjs/core'], tests, precision: 'single'};
-  engine(about, async (world, knobs) => {
-    if (knobs.precision === 'double') about.precision = 'double';
-    const made = await babylon_scene(world, knobs);
+  engine({name, packages: ['@babylonjs/core'], tests}, async (world, {precision = 'single'}) => {
+    const made = await babylon_scene(world, precision);
     return {
+      about: {precision},
       place: (body, pose, at) => place_in_babylon(made[body], pose, at),
       meets: (a, b) => made[a].intersectsMesh(made[b], precise),
     };

@@ -29,8 +29,10 @@ export function cannon(name, tests, {sap = false, narrow = false} = {}) {
       body.aabbNeedsUpdate = true;
       if (!body.world) space.addBody(body);
     };
+    let kept = [];  // the order in which it sorted the step before
     const pairs = () => {
       first.length = second.length = 0;
+      if (sap) space.broadphase.axisList = [...kept, ...space.bodies.slice(kept.length)];
       space.broadphase.dirty = true;  // bodies were moved, and nothing else tells it
       space.broadphase.collisionPairs(space, first, second);
     };
@@ -42,6 +44,7 @@ export function cannon(name, tests, {sap = false, narrow = false} = {}) {
       space.narrowphase.getContacts(first, second, space, contacts, pool, [], []);
       for (const {bi, bj} of contacts) hit(number.get(bi), number.get(bj));
     };
-    return {place, report};
+    const memory = {remember: () => kept = space.broadphase.axisList, forget: () => kept = []};
+    return {place, report, ...(sap ? memory : {})};
   });
 }

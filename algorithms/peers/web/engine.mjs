@@ -35,20 +35,23 @@ function held() {
 }
 
 /**
- * Serves an engine. `about`: name, packages (the first answers), tests, precision and what else a hello says.
+ * Serves an engine. `about`: name, packages (the first answers), tests, precision and what else a hello says; and
+ * whether knobs are such that the self-test tells something (self_test).
  * `make(world, knobs)`, for the self-test and then for the bodies of the run, gives
  *   place(body, pose, at)  moves a body: pose[at], ... are px py pz qw qx qy qz
  *   prepare(there)         after the bodies were placed, there[body] is 1 for those that are born; may be left out
  *   meets(a, b)            of a pair; with about.near it is asked only of pairs whose boxes and balls touch
  *   report(hit)            instead: calls hit(a, b) for every pair that meets, whichever first, as often as it likes
+ *   about                  what its hello says otherwise for these knobs
+ *   remember(), forget()   as of the adapter; of those that have a memory between steps that can be put back
  */
-export function engine({packages, near = false, ...about}, make) {
+export function engine({packages, near = false, self_test = () => true, ...about}, make) {
   serve(async ({bodies, meshes, knobs}) => {
     const [first, ...more] = packages.map(installed);
     about.version = [first.version, ...more.map(one => `${one.name} ${one.version}`)].join(', ');
     about.licence = [...new Set([first, ...more].map(one => one.license))].join(', ');
     if (near) about.tests += '; asked of near pairs only';
-    await test_itself(make, near, knobs);
+    if (self_test(knobs)) await test_itself(make, near, knobs);
     const world = world_of(bodies, meshes), before = held(), begin = process.hrtime.bigint();
     let method;
     try {
@@ -57,6 +60,7 @@ export function engine({packages, near = false, ...about}, make) {
       method = {answer: () => refuse(`it cannot take these bodies: ${error?.message ?? error}`)};
     }
     about.setup_ns = Number(process.hrtime.bigint() - begin);
+    Object.assign(about, method.about);
     about.memory_bytes = Math.max(0, held() - before);
     return {...method, about};
   });
@@ -137,7 +141,8 @@ function method_of({bodies}, made, near) {
     });
     return hits;
   };
-  return {prepare, answer: made.meets ? by_pair : by_report};
+  const {remember, forget, about} = made;
+  return {prepare, answer: made.meets ? by_pair : by_report, about, ...(remember ? {remember, forget} : {})};
 }
 
 /** World boxes of turned boxes, and balls: what does not touch by both does not meet, also when it is rounded. */

@@ -31,17 +31,16 @@ struct ReplayInputs {
   std::int64_t steps() const { return poses.empty() ? csv.steps : std::int64_t(poses.size()); }
 };
 
-constexpr double kNormTolerance = 1e-6;
 constexpr Range kAnyCoordinate{.least = -geometry::kGreatestCoordinate, .most = geometry::kGreatestCoordinate};
 
 // ---- Keys --------------------------------------------------------------------------------------------------------
 
-ReplayBody read_body(const Section& s) {
+ReplayBody read_body(const Section& s, double tolerance) {
   ReplayBody body;
   if (!s.has("name")) s.fail("missing key '" + s.full("name") + "', the name of the body");
   body.name = s.text("name", "");
   if (!valid_label(body.name)) s.refuse("name", kLabelRule);
-  const std::vector<std::string> others{"name", "mesh", "fixed", "position", "orientation"};
+  const std::vector<std::string> others{"name", "mesh", "fixed", "poses", "position", "orientation"};
   if (s.has("mesh")) {
     if (s.has("shape")) s.refuse("shape", "be absent where 'mesh' is given", "a body has one of them");
     s.only(others);
@@ -58,44 +57,72 @@ ReplayBody read_body(const Section& s) {
   if (!body.fixed)
     for (const char* key : {"position", "orientation"})
       if (s.has(key)) s.refuse(key, "be given for fixed bodies only", "a moving body has its poses in the CSV");
+  if (s.has("poses")) {
+    if (body.fixed) s.refuse("poses", "be given for moving bodies only", "a fixed body has its position");
+    body.poses = s.text("poses", "");
+    if (body.poses.empty()) s.refuse("poses", "name a CSV file");
+    body.poses_place = place_of(s, "poses");
+  }
   if (s.has("position")) s.reals("position", body.position.emplace(), kAnyCoordinate);
   if (s.has("orientation")) {
     if (!body.position) s.fail("missing key '" + s.full("position") + "' beside 'orientation'");
     auto& q = body.orientation;
     s.reals("orientation", q, kAnyCoordinate);
     const double norm = geometry::norm({q[0], q[1], q[2], q[3]});
-    if (!(std::abs(norm - 1) <= kNormTolerance))
-      s.refuse("orientation", "be a quaternion [w, x, y, z] of length 1 within 1e-6",
+    if (!(std::abs(norm - 1) <= tolerance))
+      s.refuse("orientation", "be a quaternion [w, x, y, z] of length 1 within " + real_text(tolerance),
                "its length is " + real_text(norm));
   }
   return body;
 }
 
+/// The order of angles, three different axes of one case.
+std::string read_euler(const Section& s) {
+  const std::string order = s.text("euler", "");
+  if (!s.has("euler")) return order;
+  std::string sorted = order;
+  std::ranges::sort(sorted);
+  if (sorted != "xyz" && sorted != "XYZ")
+    s.refuse("euler",
+             "be the order of three axes, such as \"xyz\" about fixed axes, x first, or \"XYZ\" about the body's own");
+  return order;
+}
+
+/// Whether some body has its poses neither here nor in a file of its own.
+bool needs_poses(const ReplayScene& scene) {
+  return std::ranges::any_of(scene.bodies, [](const ReplayBody& body) { return body.poses.empty() && !body.position; });
+}
+
 void read(const Section& s, SceneConfig& config) {
-  s.only({"kind", "poses", "motion", "only", "half_turns", "body"});
+  s.only({"kind", "poses", "motion", "only", "half_turns", "quaternion_tolerance", "euler", "body"});
   ReplayScene scene;
   scene.only = s.texts("only");
   if (s.has("only") && scene.only.empty()) s.refuse("only", "name at least one body", "leave it out for all pairs");
   if (s.has("only")) scene.only_place = place_of(s, "only");
   if (s.has("motion")) {
     const std::string remedy = "bodies, meshes and poses are those of that result";
-    for (const char* key : {"poses", "half_turns", "body"})
+    for (const char* key : {"poses", "half_turns", "quaternion_tolerance", "euler", "body"})
       if (s.has(key)) s.refuse(key, "be absent where 'motion' is given", remedy);
     scene.motion = s.text("motion", "");
     if (scene.motion.empty()) s.refuse("motion", "name a result file");
     scene.place = place_of(s, "motion");
   } else {
-    if (!s.has("poses"))
-      s.fail("missing key '" + s.full("poses") + "', a CSV file; or 'motion', the result of an earlier run");
     scene.poses = s.text("poses", "");
-    if (scene.poses.empty()) s.refuse("poses", "name a CSV file");
-    scene.place = place_of(s, "poses");
+    if (s.has("poses")) {
+      if (scene.poses.empty()) s.refuse("poses", "name a CSV file");
+      scene.place = place_of(s, "poses");
+    }
     scene.half_turns = s.boolean("half_turns", false);
+    scene.rules.tolerance = s.real("quaternion_tolerance", CsvRules().tolerance, {.least = 1e-15, .most = 0.1});
+    scene.rules.euler = read_euler(s);
     std::set<std::string> taken;
     for (const Section& t : s.sections("body")) {
-      scene.bodies.push_back(read_body(t));
+      scene.bodies.push_back(read_body(t, scene.rules.tolerance));
       if (!taken.insert(scene.bodies.back().name).second) t.refuse("name", "be the only one of its name");
     }
+    const bool moved = std::ranges::any_of(scene.bodies, [](const ReplayBody& body) { return !body.poses.empty(); });
+    if (scene.poses.empty() && (needs_poses(scene) || !moved))
+      s.fail("missing key '" + s.full("poses") + "', a CSV file; or 'motion', the result of an earlier run");
     if (scene.bodies.empty()) s.fail("missing [[scene.body]]: name the bodies of the CSV and their meshes");
     for (const std::string& name : scene.only)
       if (!taken.contains(name))
@@ -106,10 +133,10 @@ void read(const Section& s, SceneConfig& config) {
 
 void write(const SceneConfig& config, TomlText& out) {
   const ReplayScene& scene = config.keys<ReplayScene>();
-  if (scene.motion.empty())
-    out.line("poses", scene.poses);
-  else
-    out.line("motion", scene.motion);
+  if (!scene.poses.empty()) out.line("poses", scene.poses);
+  if (!scene.motion.empty()) out.line("motion", scene.motion);
+  if (scene.rules.tolerance != CsvRules().tolerance) out.line("quaternion_tolerance", scene.rules.tolerance);
+  if (!scene.rules.euler.empty()) out.line("euler", scene.rules.euler);
   if (scene.half_turns) out.line("half_turns", true);
   if (!scene.only.empty()) out.list("only", scene.only);
   for (const ReplayBody& body : scene.bodies) {
@@ -120,6 +147,7 @@ void write(const SceneConfig& config, TomlText& out) {
     else
       out.line("mesh", body.mesh);
     out.line("fixed", body.fixed);
+    if (!body.poses.empty()) out.line("poses", body.poses);
     if (!body.position) continue;
     out.list("position", *body.position);
     out.list("orientation", body.orientation);
@@ -167,23 +195,43 @@ geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene, bool
   return bodies;
 }
 
-CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene) {
-  std::vector<CsvBody> bodies;
-  for (const ReplayBody& body : scene.bodies)
-    bodies.push_back({body.name, !body.fixed     ? CsvBody::every_step
-                                 : body.position ? CsvBody::none
-                                                 : CsvBody::first_step});
-  const Input input = read_input(config, scene.poses, scene.place);
-  CsvMotion motion = parse_poses(input.bytes, input.path, bodies);
-  if (motion.begins_with_half_turns && !scene.half_turns)
+/// One table of poses: what it says, and what is to be said of it.
+void load_table(SceneConfig& config, const ReplayScene& scene, const std::string& file, const std::string& place,
+                const std::vector<CsvBody>& bodies, CsvMotion& motion) {
+  const Input input = read_input(config, file, place);
+  CsvMotion table = parse_poses(input.bytes, input.path, bodies, scene.rules);
+  if (!table.plain) config.understood.push_back(input.path + ": " + table.understood);
+  if (table.begins_with_half_turns && !scene.half_turns)
     config.notes.push_back(input.path +
                            ": the first quaternion of every body has qw = 0, a half turn: are they in the order of "
                            "the header? If they are x, y, z, w, let the header end with qx,qy,qz,qw; if half turns are "
                            "meant, set scene.half_turns = true");
+  join(motion, std::move(table), input.path);
+}
+
+CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene) {
+  std::vector<CsvBody> bodies;
+  for (const ReplayBody& body : scene.bodies)
+    bodies.push_back({body.name, !body.poses.empty() ? CsvBody::elsewhere
+                                 : !body.fixed       ? CsvBody::every_step
+                                 : body.position     ? CsvBody::none
+                                                     : CsvBody::first_step});
+  CsvMotion motion;
+  motion.tracks.resize(bodies.size());
+  if (!scene.poses.empty()) load_table(config, scene, scene.poses, scene.place, bodies, motion);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const ReplayBody& body = scene.bodies[b];
+    if (!body.poses.empty()) {
+      CsvMotion own;
+      load_table(config, scene, body.poses, body.poses_place, {{body.name}}, own);
+      std::vector<CsvTrack> tracks(bodies.size());
+      tracks[b] = std::move(own.tracks[0]);
+      own.tracks = std::move(tracks);
+      join(motion, std::move(own), (config.path.parent_path() / body.poses).string());
+    }
     if (bodies[b].rows != CsvBody::none) continue;
-    const auto& t = *scene.bodies[b].position;
-    const auto& q = scene.bodies[b].orientation;
+    const auto& t = *body.position;
+    const auto& q = body.orientation;
     motion.tracks[b] = {
         .first = 0, .stays = true, .poses = {{geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}}}};
   }
@@ -253,6 +301,12 @@ std::vector<Ahead> births_of(const ReplayInputs& inputs) {
   return out;
 }
 
+/// The file that says how many steps there are.
+std::string steps_of(const ReplayScene& scene) {
+  if (!scene.motion.empty() || !scene.poses.empty()) return scene.motion + scene.poses;
+  return std::ranges::find_if(scene.bodies, [](const ReplayBody& body) { return !body.poses.empty(); })->poses;
+}
+
 void complete(SceneConfig& config) {
   ReplayScene scene = config.keys<ReplayScene>();
   const ReplayInputs inputs = load(config, scene, true);
@@ -261,9 +315,16 @@ void complete(SceneConfig& config) {
     config.steps = steps;
   else if (config.steps > steps)
     throw Error(kInput, config.steps_place + ": 'steps' must be at most " + std::to_string(steps) + ", the steps of " +
-                            (scene.motion.empty() ? scene.poses : scene.motion) + ", not " +
-                            std::to_string(config.steps));
+                            steps_of(scene) + ", not " + std::to_string(config.steps));
   if (!config.rate_given && inputs.rate) config.rate = *inputs.rate;
+  if (const auto rate = rate_of(inputs.csv); rate && !config.rate_given) {
+    if (!(*rate >= kLeastRate && *rate <= kMostRate))
+      throw Error(kInput, "the times of the poses are " + real_text(1 / *rate) +
+                              " s apart on the mean; check their unit, or give the rate");
+    config.rate = *rate;
+    config.understood.push_back("steps are " + real_text(1 / *rate) +
+                                " s apart on the mean: rate = " + real_text(*rate));
+  }
   scene.size = size_of(inputs.bodies);
   scene.births = births_of(inputs);
   config.scene = std::move(scene);

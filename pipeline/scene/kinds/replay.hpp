@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/scene/poses_csv.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/scene/shape_keys.hpp"
 
@@ -18,12 +19,14 @@ struct ReplayBody {
   bool fixed = false;
   std::optional<std::array<double, 3>> position;  // m; of fixed bodies, when it is not in the CSV
   std::array<double, 4> orientation{1, 0, 0, 0};  // w x y z, as written
-  std::string place;                              // of mesh or shape, for messages
+  std::string poses;                              // of a moving body, a file of its own; empty: that of the scene
+  std::string place, poses_place;                 // of mesh or shape, and of poses, for messages
 };
 
 /// kind = "replay": bodies and poses from files. Paths are relative to the configuration's folder.
 struct ReplayScene {
-  std::string poses, motion;      // a CSV file, or an earlier result with all its bodies; the other is empty
+  std::string poses, motion;      // a CSV file, or an earlier result with all its bodies; one or both are empty
+  CsvRules rules;                 // of orientations in CSV
   bool half_turns = false;        // the CSV's quaternions that begin with 0 are meant so
   std::vector<std::string> only;  // empty: every pair counts
   std::vector<ReplayBody> bodies;
