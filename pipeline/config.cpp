@@ -25,8 +25,8 @@ namespace pipeline {
 namespace {
 
 constexpr std::size_t kMostBytes = 16 << 20;
-constexpr std::size_t kMostTitle = 1024;              // characters
-constexpr std::int64_t kMostSteps = 10000000;         // at 274 bodies 120 GB of motion: further is a mistake
+constexpr std::size_t kMostTitle = 1024;       // characters
+constexpr std::int64_t kMostSteps = 10000000;  // at 274 bodies 120 GB of motion: further is a mistake
 constexpr std::int64_t kMostRepeats = 1000;
 constexpr double kGapMargin = 0.1;          // m
 constexpr double kMostClosedWithin = 1e-3;  // of a mesh's size: more is no hair, but the mesh
@@ -114,8 +114,11 @@ algorithms::Value knob_value(const Section& s, const algorithms::Knob& knob) {
     if (rule.starts_with("must ")) rule.erase(0, std::strlen("must "));
     const auto* text = std::get_if<std::string>(&value);
     std::string remedy;
-    if (text && knob.role == algorithms::Role::prefilter && algorithms::find(*text))
-      remedy = "a method of a library answers in a process of its own and cannot filter for another";
+    const bool other = knob.role == algorithms::Role::prefilter || knob.role == algorithms::Role::then;
+    if (const algorithms::Algorithm* named = text && other ? algorithms::find(*text) : nullptr)
+      remedy = named->scope == algorithms::Scope::scene
+                   ? "it has a broad phase of its own"
+                   : "a method of a library answers in a process of its own and cannot stand beside another";
     else if (const std::string meant = text ? nearest(*text, knob.choices) : ""; !meant.empty())
       remedy = "did you mean '" + meant + "'?";
     s.refuse(knob.name, rule, remedy);

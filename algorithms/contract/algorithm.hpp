@@ -42,6 +42,7 @@ using Value = std::variant<bool, std::int64_t, double, std::string>;
 enum class Role {
   plain,
   prefilter,    // names the row that answers first; what it may name is known to the whole table alone
+  then,         // names the row that answers last and whose promise is kept; likewise
   density,      // whether facets are cut before they are sampled: only rows that sample facets have it
   containment,  // whether a body inside another is a hit: where nobody says, as in the truth that scores
 };
@@ -117,11 +118,11 @@ struct Library {
 
 /// One row of the table of algorithms.
 struct Algorithm {
-  std::string name;             // file name, TOML name and HDF5 name
-  std::string thesis_key = {};  // the letter of the thesis, or empty
-  std::string what;             // one line
-  std::string operations_unit;  // what `count` counts
-  Promise promise = Promise::none;
+  std::string name;                 // file name, TOML name and HDF5 name
+  std::string thesis_key = {};      // the letter of the thesis, or empty
+  std::string what;                 // one line
+  std::string operations_unit;      // what `count` counts
+  Promise promise = Promise::none;  // with the presets
   Scope scope = Scope::pair;
   std::string precision = "double";  // of the arithmetic that decides
   Library library = {};
@@ -155,7 +156,10 @@ const Algorithm* find_missing(std::string_view name);
 /// What a row of missing() needs and how to get it: "FCL; scripts/peers installs it ...".
 std::string remedy(const Algorithm& row);
 
-/// Whether its methods sample facets with these knobs, its own or its prefilter's.
+/// What its methods promise with these knobs: where one of them names the row that answers last, what that one does.
+Promise promise(const Algorithm& row, const Knobs& knobs);
+
+/// Whether its methods sample facets with these knobs: its own, its prefilter's or those of the row that answers last.
 bool samples_facets(const Algorithm& row, const Knobs& knobs);
 
 /// The knobs of `algorithm`, all at their presets.

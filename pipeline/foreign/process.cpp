@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "pipeline/system/child.hpp"
+#include "pipeline/system/heap.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -85,13 +86,10 @@ std::uint64_t own_data() {
 }
 
 void limit_memory(std::uint64_t bytes) {
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadows are data
+  if (!counts_heap()) return;  // a sanitizer's shadow is data
   // Not RLIMIT_AS: engines reserve many times what they use.
   const rlimit data{bytes, bytes};
   setrlimit(RLIMIT_DATA, &data);
-#else
-  (void)bytes;
-#endif
 }
 
 /// What every child does first; the pipes become its 0, 1 and 2.
