@@ -222,10 +222,10 @@ class Run:
         """One row per body, indexed by its name.
 
         Columns: mesh (name), fixed (bool), first_step; kind ("box", "sphere", ...; "file" for a mesh read from one);
-        size (3, m): the greatest less the least local vertex.
+        size (3, m): the greatest less the least local vertex; facets: triangles of the mesh.
         """
         with self.opened() as file:
-            shapes = {name: (_kind(mesh.attrs["shape"]), np.ptp(mesh["vertices"][()], axis=0))
+            shapes = {name: (_kind(mesh.attrs["shape"]), np.ptp(mesh["vertices"][()], axis=0), len(mesh["triangles"]))
                       for name, mesh in file["meshes"].items()}
             mesh = list(file["bodies/mesh"].asstr()[()])
             table = {
@@ -234,6 +234,7 @@ class Run:
                 "first_step": file["bodies/first_step"][()],
                 "kind": [shapes[name][0] for name in mesh],
                 "size": [shapes[name][1] for name in mesh],
+                "facets": [shapes[name][2] for name in mesh],
             }
         return pd.DataFrame(table, index=pd.Index(self.meta["bodies"], name="body"))
 

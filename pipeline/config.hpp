@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -50,7 +51,12 @@ Config recorded_config(const std::string& effective, const std::string& file);
 /// follows when it is not given. Throws Error(kInput) naming the argument.
 AlgorithmChoice parse_algorithm(const std::string& argument, Containment containment = Containment::ignore);
 
-/// Finds the files of programs and takes their SHA-256. Throws Error(kInput) for a command without a program.
-void find_files(std::vector<AlgorithmChoice>& choices);
+/// Finds the files of programs and takes their SHA-256. Throws Error(kInput) for a command without a program; of
+/// optional ones the labels are returned, each with what it lacks.
+std::map<std::string, std::string> find_files(std::vector<AlgorithmChoice>& choices);
+
+/// Takes the algorithms of these labels, each with what it lacks, out of the configuration, as if it had not named
+/// them; a note for each. Throws Error(kInput) when none is left.
+std::vector<std::string> leave_out(const std::map<std::string, std::string>& missing, Config& config);
 
 }  // namespace pipeline

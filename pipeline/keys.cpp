@@ -142,7 +142,7 @@ constexpr KeyText kTexts[] = {
     {"plugin.N.path", "1", "shared library of methods, relative to the configuration (algorithms/README.md)", true},
     {"algorithm.N.name", "1", "`pipeline list algorithms`; its knobs are further keys", true},
     {"algorithm.N.label", "1", "name of its answers; without it that of the algorithm"},
-    {"algorithm.N.optional", "1", "left out, and said, by a build without its library"},
+    {"algorithm.N.optional", "1", "left out, and said, where its library or its program is not there"},
     {"algorithm.N.command", "1", "of a program of others: the program and its words; further keys are its knobs", true},
     {"algorithm.N.step_budget", "s", "of a method of others: for one answer, at most"},
     {"algorithm.N.time_budget", "s", "of a method of others: for its set-up and all answers together, at most"},

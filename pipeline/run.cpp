@@ -166,7 +166,8 @@ fs::path output_path(const Config& config, const RunOptions& options) {
   return fs::path("results") / (config.path.stem().string() + ".h5");
 }
 
-Result run(const Config& config, const RunOptions& options) {
+Result run(const Config& asked, const RunOptions& options) {
+  Config config = asked;  // less what is optional and not here
   const auto start = std::chrono::steady_clock::now();
   const fs::path output = output_path(config, options);
   const fs::path part_path = output.string() + ".part";
@@ -179,9 +180,13 @@ Result run(const Config& config, const RunOptions& options) {
   Scene scene = make_scene(config);
   warn_of_open_meshes(config, scene);
   const int threads = thread_count(options.threads);
-  const Plan planned = plan(config, scene, threads);
+  Plan planned = plan(config, scene, threads);
   refuse_if_too_large(planned, output);
-  if (scene.case_sets.empty()) refuse_unfit(scene.bodies, config.algorithms);  // of extremes a refusal is an answer
+  if (scene.case_sets.empty()) {  // of extremes a refusal is an answer
+    for (const std::string& note : leave_out(refuse_unfit(scene.bodies, config.algorithms).silent, config))
+      std::fprintf(stderr, "warning: %s\n", note.c_str());
+    planned = plan(config, scene, threads);
+  }
 
   Provenance from = provenance();
   OutputFile target(output, options.force ? Existing::replace : Existing::refuse);

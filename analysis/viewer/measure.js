@@ -5,10 +5,7 @@
 const measure = (() => {
   const MOST_TRIANGLE_PAIRS = 3e7; // about a second in a browser
 
-  const sub = (p, q) => [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-  const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-  const cross = (p, q) => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-  const along = (p, d, t) => [p[0] + t * d[0], p[1] + t * d[1], p[2] + t * d[2]];
+  const { sub, dot, cross, along } = vectors;
   const clamp = (x) => Math.min(1, Math.max(0, x));
 
   // Triangles with corners, box, and a sphere about the box's middle. vertex(i) is the i-th vertex in the world.

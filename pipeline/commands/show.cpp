@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "pipeline/commands/choice.hpp"
 #include "pipeline/commands/command.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/result/columns.hpp"
@@ -32,6 +33,8 @@ std::string foreign_text(const Result& result) {
     if (!facts.version.empty()) text += " " + one_line(facts.version, 200);
     if (!facts.language.empty()) text += ", " + one_line(facts.language, 200);
     if (!facts.precision.empty()) text += ", " + one_line(facts.precision, 200) + " precision";
+    if (!facts.tests.empty()) text += ", tests " + one_line(facts.tests, 200);
+    if (!facts.licence.empty()) text += ", " + one_line(facts.licence, 200);
     if (facts.threads != 1) text += ", " + std::to_string(facts.threads) + " threads";
     text += '\n';
     if (failed(answers))
@@ -83,6 +86,8 @@ Json foreign_json(const Answers& answers) {
           {"version", facts.version},
           {"language", facts.language},
           {"precision", facts.precision},
+          {"tests", facts.tests},
+          {"licence", facts.licence},
           {"threads", facts.threads},
           {"status", failed(answers) ? "failed" : "complete"},
           {"reason", facts.reason},
@@ -153,6 +158,10 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
                                   {"operations_unit", answers.operations_unit},
                                   {"library", answers.library}});
     if (answers.foreign) json["algorithms"].back()["foreign"] = foreign_json(answers);
+    json["algorithms"].back()["timed_on"] = {{"host", answers.machine.host},
+                                             {"processor", answers.machine.processor},
+                                             {"build", answers.machine.build},
+                                             {"date", answers.machine.date}};
     if (answers.machine.pinned >= 0) json["algorithms"].back()["pinned"] = answers.machine.pinned;
     each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
       if constexpr (!is_optional<T>)
@@ -161,6 +170,7 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
         json["algorithms"].back()[column.name] = *(row.*column.member);
     });
   }
+  json["which_one"] = Json::parse(advice_json(result));
 }
 
 }  // namespace
@@ -206,6 +216,7 @@ std::string result_text(const Result& result, bool digests) {
   text +=
       "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
       "per step, set-up is once; memory is heap at the most\n\n";
+  text += advice_text(result);
   text += times_text(result);
   text += foreign_text(result);
 

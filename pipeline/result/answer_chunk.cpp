@@ -13,8 +13,9 @@ void put_facts(const Answers& answers, std::int64_t first, std::int64_t last, Ch
   out.put(std::vector<std::uint8_t>(answers.foreign ? 1 : 0));
   if (!answers.foreign) return;
   const ForeignFacts& f = *answers.foreign;
-  for (const std::string* text : {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope,
-                                  &f.transport, &f.command, &f.files, &f.version, &f.language, &f.precision, &f.reason})
+  for (const std::string* text :
+       {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope, &f.transport, &f.command, &f.files,
+        &f.version, &f.language, &f.precision, &f.tests, &f.licence, &f.reason})
     out.put(*text);
   out.put(std::vector<std::int64_t>{f.threads, std::clamp<std::int64_t>(f.steps_done - first, 0, last - first)});
   out.put(std::vector<double>{f.waited});
@@ -23,8 +24,9 @@ void put_facts(const Answers& answers, std::int64_t first, std::int64_t last, Ch
 void get_facts(ChunkReader& in, Answers& answers) {
   if (in.get<std::uint8_t>().empty()) return;
   ForeignFacts& f = answers.foreign.emplace();
-  for (std::string* text : {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope, &f.transport,
-                            &f.command, &f.files, &f.version, &f.language, &f.precision, &f.reason})
+  for (std::string* text :
+       {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope, &f.transport, &f.command, &f.files,
+        &f.version, &f.language, &f.precision, &f.tests, &f.licence, &f.reason})
     *text = in.text();
   const auto whole = in.get<std::int64_t>(2);
   const auto real = in.get<double>(1);

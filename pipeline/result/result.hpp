@@ -71,6 +71,7 @@ struct ForeignFacts {
   std::string command;                       // of a program, its words
   std::string files = "{}";                  // JSON object: file -> SHA-256, of what it is made of
   std::string version, language, precision;  // by its own word
+  std::string tests, licence;                // likewise; empty: it does not say
   std::int64_t threads = 1;
   std::string reason;           // why it failed; empty: it did not
   std::int64_t steps_done = 0;  // steps that it answered before; of those after it nothing is known

@@ -51,7 +51,7 @@ Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
   using Clock = std::chrono::steady_clock;
   try {
     Entry entry;
-    entry.promise = row_of(choice).promise;
+    entry.promise = algorithms::promise(row_of(choice), choice.knobs);
     std::chrono::nanoseconds spent;
     {
       const CountingHeap now(entry.heap);
@@ -81,6 +81,8 @@ void adopt(const About& about, Answers& answers) {
   facts.version = about.version;
   facts.language = about.language;
   facts.precision = about.precision;
+  facts.tests = about.tests;
+  facts.licence = about.licence;
   facts.threads = about.threads;
 }
 
@@ -282,9 +284,9 @@ OutOfMemory::OutOfMemory(const AlgorithmChoice& choice, const Bodies& bodies)
                         bytes_text(algorithms::memory(row_of(choice), bodies, choice.knobs).greatest) +
                         ": sample fewer facets, or take fewer bodies or segments") {}
 
-std::map<std::string, About> refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
+Heard refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
   constexpr std::uint64_t kLarge = 64 << 20;  // bytes; making more takes too long to be done only to ask
-  std::map<std::string, About> abouts;
+  Heard heard;
   for (const AlgorithmChoice& choice : choices) {
     try {
       if (!choice.foreign && algorithms::memory(row_of(choice), bodies, choice.knobs).greatest > kLarge) continue;
@@ -293,8 +295,12 @@ std::map<std::string, About> refuse_unfit(const Bodies& bodies, const std::vecto
     }
     try {
       const Entry entry = set_up(bodies, choice);
-      if (entry.foreign) abouts[choice.label] = entry.foreign->about();
+      if (entry.foreign) heard.abouts[choice.label] = entry.foreign->about();
     } catch (const Fault& fault) {
+      if (choice.optional) {
+        heard.silent[choice.label] = fault.what();
+        continue;
+      }
       const std::string command = text_of(choice.foreign->command);
       throw Error(kInput,
                   "algorithm '" + choice.label + "': " +
@@ -303,7 +309,7 @@ std::map<std::string, About> refuse_unfit(const Bodies& bodies, const std::vecto
                       fault.what());
     }
   }
-  return abouts;
+  return heard;
 }
 
 std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<Pose>>& poses, const Truth& truth,
@@ -318,7 +324,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     answers.label = choice.label;
     answers.name = row.name;
     answers.knobs = knobs_json(choice.knobs);
-    answers.promise = algorithms::text(row.promise);
+    answers.promise = algorithms::text(algorithms::promise(row, choice.knobs));
     answers.thesis_key = row.thesis_key;
     answers.operations_unit = row.operations_unit;
     answers.scope = algorithms::text(row.scope);

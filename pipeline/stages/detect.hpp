@@ -19,10 +19,16 @@ struct OutOfMemory : Error {
   OutOfMemory(const AlgorithmChoice& choice, const geometry::Bodies& bodies);
 };
 
+/// What methods of others say before a run, by label.
+struct Heard {
+  std::map<std::string, About> abouts;
+  std::map<std::string, std::string> silent;  // why, of optional ones that do not say hello
+};
+
 /// Throws Error(kInput) when the knobs of a choice do not fit these meshes, for instance a density of facets that needs
 /// billions of them: said before the run rather than after the motion. So are methods of others that do not even say
-/// hello, to which each is started and ended; what they say of themselves is returned by label.
-std::map<std::string, About> refuse_unfit(const geometry::Bodies& bodies, const std::vector<AlgorithmChoice>& choices);
+/// hello, to which each is started and ended, unless they are optional.
+Heard refuse_unfit(const geometry::Bodies& bodies, const std::vector<AlgorithmChoice>& choices);
 
 /// Throws std::logic_error that names the first of `hits` that is no pair of `runs` or is there twice: a mistake of
 /// the method that would be scored as false positives. Both sorted.
