@@ -25,8 +25,8 @@ namespace pipeline {
 namespace {
 
 constexpr std::size_t kMostBytes = 16 << 20;
-constexpr std::size_t kMostTitle = 1024;              // characters
-constexpr std::int64_t kMostSteps = 10000000;         // at 274 bodies 120 GB of motion: further is a mistake
+constexpr std::size_t kMostTitle = 1024;       // characters
+constexpr std::int64_t kMostSteps = 10000000;  // at 274 bodies 120 GB of motion: further is a mistake
 constexpr std::int64_t kMostRepeats = 1000;
 constexpr double kGapMargin = 0.1;          // m
 constexpr double kMostClosedWithin = 1e-3;  // of a mesh's size: more is no hair, but the mesh
@@ -114,8 +114,11 @@ algorithms::Value knob_value(const Section& s, const algorithms::Knob& knob) {
     if (rule.starts_with("must ")) rule.erase(0, std::strlen("must "));
     const auto* text = std::get_if<std::string>(&value);
     std::string remedy;
-    if (text && knob.role == algorithms::Role::prefilter && algorithms::find(*text))
-      remedy = "a method of a library answers in a process of its own and cannot filter for another";
+    const bool other = knob.role == algorithms::Role::prefilter || knob.role == algorithms::Role::then;
+    if (const algorithms::Algorithm* named = text && other ? algorithms::find(*text) : nullptr)
+      remedy = named->scope == algorithms::Scope::scene
+                   ? "it has a broad phase of its own"
+                   : "a method of a library answers in a process of its own and cannot stand beside another";
     else if (const std::string meant = text ? nearest(*text, knob.choices) : ""; !meant.empty())
       remedy = "did you mean '" + meant + "'?";
     s.refuse(knob.name, rule, remedy);
@@ -189,9 +192,10 @@ AlgorithmChoice algorithm_choice(const Section& s, Containment containment, cons
     if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
     return choice;
   }
+  if (const algorithms::Algorithm* missing = algorithms::find_missing(name))
+    if (const std::string needed = lacking(*missing); !needed.empty())
+      s.refuse("name", "be an algorithm of this build", "it needs " + needed);
   const algorithms::Algorithm* row = algorithms::find(name);
-  if (const algorithms::Algorithm* lacking = algorithms::find_missing(name))
-    s.refuse("name", "be an algorithm of this build", "it needs " + algorithms::remedy(*lacking));
   if (!row) s.refuse("name", "be the name of an algorithm", hint(name, names));
 
   std::vector<std::string> known{"name", "label", "optional"};
@@ -206,6 +210,7 @@ AlgorithmChoice algorithm_choice(const Section& s, Containment containment, cons
     if (s.has(knob.name)) choice.knobs[knob.name] = knob_value(s, knob);
   }
   if (foreign) choice.foreign = std::make_shared<Foreign>(library(*row, choice.knobs, read_budget(s)));
+  choice.optional = foreign && s.boolean("optional", false);
   return choice;
 }
 
@@ -218,7 +223,7 @@ std::string lacks(const Section& s, const Config& config, bool recorded) {
     return "its program, which no result starts by itself; give it with --algorithm program:command=...";
   const algorithms::Algorithm* missing = algorithms::find_missing(name);
   if (const bool may_go = s.boolean("optional", false); missing && (may_go || recorded))
-    return algorithms::remedy(*missing);
+    if (const std::string needed = lacking(*missing); !needed.empty()) return needed;
   if (!recorded || config.plugins.empty() || algorithms::find(name)) return "";
   std::string libraries;
   for (const Plugin& plugin : config.plugins)

@@ -79,9 +79,15 @@ constexpr KeyText kTexts[] = {
     {"scene.half_turns", "1", "that a first quaternion begins with 0 is meant, and not asked about"},
     {"scene.quaternion_tolerance", "1", "how far from 1 the length of a quaternion, or of a matrix's columns, may be"},
     {"scene.euler", "1", "order of angles: \"xyz\" about fixed axes, x first; \"XYZ\" about the body's own", true},
-    {"scene.body.N.name", "1", "name of the body, as in the CSV", true},
-    {"scene.body.N.mesh", "1", "file of its mesh (OBJ, OFF, STL or PLY); or shape", true},
+    {"scene.body.N.name", "1", "name of the body, as in the CSV; of parts what stands before the name of a node", true},
+    {"scene.body.N.mesh", "1", "file of its mesh (OBJ, OFF, STL, PLY, or glTF and what else assimp reads); or shape",
+     true},
     {"scene.body.N.shape", "1", "built-in shape (`pipeline list shapes`); instead of mesh", true},
+    {"scene.body.N.node", "1", "node of the file that is the body, with what is under it; without it all of the file",
+     true},
+    {"scene.body.N.parts", "1", "every node of the file that has a mesh is a body, named after it"},
+    {"scene.body.N.scale", "1", "metres a unit of the file", true},
+    {"scene.body.N.up", "1", "axis of the file that becomes y"},
     {"scene.body.N.fixed", "1", "it never moves"},
     {"scene.body.N.poses", "1", "of a moving body: CSV of its own, also lines of TUM; instead of those of the scene",
      true},
@@ -131,7 +137,7 @@ constexpr KeyText kTexts[] = {
     {"plugin.N.path", "1", "shared library of methods, relative to the configuration (algorithms/README.md)", true},
     {"algorithm.N.name", "1", "`pipeline list algorithms`; its knobs are further keys", true},
     {"algorithm.N.label", "1", "name of its answers; without it that of the algorithm"},
-    {"algorithm.N.optional", "1", "left out, and said, by a build without its library"},
+    {"algorithm.N.optional", "1", "left out, and said, where its library or its program is not there"},
     {"algorithm.N.command", "1", "of a program of others: the program and its words; further keys are its knobs", true},
     {"algorithm.N.step_budget", "s", "of a method of others: for one answer, at most"},
     {"algorithm.N.time_budget", "s", "of a method of others: for its set-up and all answers together, at most"},
@@ -179,7 +185,7 @@ const std::multimap<std::string, std::string> kMore = {
      "[[scene.path]]\naxis = 'x'\n[[scene.path]]\naxis = 'y'\nrotation = [['x', 1]]\n"
      "[[scene.path]]\nfrom = [0, 0, 0]\nto = [1, 0, 0]\norientation = [1, 0, 0, 0]\n"},
     {"replay",
-     "poses = 'p.csv'\neuler = 'xyz'\n[[scene.body]]\nname = 'a'\nmesh = 'a.obj'\nposes = "
+     "poses = 'p.csv'\neuler = 'xyz'\n[[scene.body]]\nname = 'a'\nmesh = 'a.glb'\nnode = 'b'\nposes = "
      "'a.txt'\n[[scene.body]]\nname = 'b'\nshape = 'sphere'\n"
      "radius = 1\nfixed = true\nposition = [0, 0, 0]\norientation = [1, 0, 0, 0]\n"},
     {"replay", "motion = 'm.h5'\n"},

@@ -5,6 +5,7 @@ import json
 import pandas as pd
 
 from analysis.figures import error as plots_error
+from analysis.figures import engines as engines_figures
 from analysis.figures import extremes as extremes_figures
 from analysis.figures import study as study_figures
 from analysis.figures import sweep as sweep_figures
@@ -133,7 +134,10 @@ def sections(runs, found):
     usual = [run for run in scenes if not is_extremes(run)]
     studied = [*study_figures.sections(studies, runs), *extremes_figures.sections(scenes)]
     which = [part for part in [choice.section(found)] if part]
-    answered = [*which, error_against_cost(scenes, found), summary(scenes, found), definitions()] if scenes else []
+    answered = []
+    if scenes:
+        others = engines_figures.sections(scenes)
+        answered = [*which, error_against_cost(scenes, found), *others, summary(scenes, found), definitions()]
     if not studied:
         return [*answered, provenance(runs), *told, *study_figures.sections(usual), *thesis_figures.sections(usual)]
     if not usual:

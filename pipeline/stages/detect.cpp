@@ -51,7 +51,7 @@ Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
   using Clock = std::chrono::steady_clock;
   try {
     Entry entry;
-    entry.promise = row_of(choice).promise;
+    entry.promise = algorithms::promise(row_of(choice), choice.knobs);
     std::chrono::nanoseconds spent;
     {
       const CountingHeap now(entry.heap);
@@ -324,7 +324,7 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
     answers.label = choice.label;
     answers.name = row.name;
     answers.knobs = knobs_json(choice.knobs);
-    answers.promise = algorithms::text(row.promise);
+    answers.promise = algorithms::text(algorithms::promise(row, choice.knobs));
     answers.thesis_key = row.thesis_key;
     answers.operations_unit = row.operations_unit;
     answers.scope = algorithms::text(row.scope);

@@ -243,7 +243,9 @@ TEST(PosesCsv, AnglesAreTurnedInTheStatedOrder) {
   EXPECT_LT((turned("ZYX") - Vec3(0, 0, 1)).norm(), 1e-15);   // own axes, z first: Rz Rx again
   EXPECT_LT((turned("XYZ") - Vec3(-1, 0, 0)).norm(), 1e-15);
   const std::string rad = "step,body,px,py,pz,rx_rad,ry_rad,rz_rad\n0,a,0,0,0,0,0,1.5707963267948966\n";
-  EXPECT_LT((geometry::rotation(only_pose(rad, {.tolerance = 1e-6, .euler = "xyz"}).q) * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-15);
+  EXPECT_LT((geometry::rotation(only_pose(rad, {.tolerance = 1e-6, .euler = "xyz"}).q) * Vec3::UnitX() - Vec3::UnitY())
+                .norm(),
+            1e-15);
   EXPECT_NE(refusal(text).find("p.csv:1: has angles: state their order"), std::string::npos);
 }
 

@@ -77,9 +77,10 @@ async function facet_points(dense, made) {
   const {VertexData} = await import('@babylonjs/core/Meshes/mesh.vertexData.js');
   const scene = made[0].getScene();
   return mesh => {
-    const {positions, indices} = dense ? densified(mesh, dense * area_of(mesh)) : densified(mesh, 0);
+    const {positions, indices} = densified(mesh, dense * area_of(mesh));
     const data = new VertexData(), facets = new Mesh(mesh.name, scene);
     [data.positions, data.indices] = [Array.from(positions), Array.from(indices)];
+    data.normals = new Array(positions.length).fill(0);  // without any it silently makes no facet
     data.applyToMesh(facets);
     facets.partitioningSubdivisions = 1;  // its partition of space is not used
     const points = facets.updateFacetData().getFacetLocalPositions().map(({x, y, z}) => ({x, y, z}));

@@ -8,14 +8,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "geometry/decision/contain.hpp"
 #include "geometry/meshes/mesh_file.hpp"
+#include "geometry/meshes/nodes.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/mesh_input.hpp"
 #include "pipeline/scene/poses_csv.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/print.hpp"
 
 namespace pipeline {
 
@@ -24,6 +27,9 @@ namespace {
 /// What the files of a replayed scene hold.
 struct ReplayInputs {
   geometry::Bodies bodies;
+  std::vector<const ReplayBody*> of;                 // B, of the configuration
+  std::vector<std::optional<geometry::Pose>> stays;  // B, of fixed bodies whose pose is not in the CSV
+  std::vector<BodyFacts> facts;
   CsvMotion csv;
   std::vector<std::vector<geometry::Pose>> poses;  // S x B, of an earlier result; else empty
   std::optional<double> rate;                      // of an earlier result
@@ -35,19 +41,44 @@ constexpr Range kAnyCoordinate{.least = -geometry::kGreatestCoordinate, .most = 
 
 // ---- Keys --------------------------------------------------------------------------------------------------------
 
+void read_mesh_keys(const Section& s, ReplayBody& body) {
+  const bool nodes = geometry::is_node_file(body.mesh);
+  if (s.has("node")) {
+    if (body.parts) s.refuse("node", "be absent where 'parts' is");
+    body.node = s.text("node", "");
+    if (body.node.empty()) s.refuse("node", "name a node of the file");
+  }
+  for (const char* key : {"node", "parts"})
+    if (s.has(key) && !nodes) s.refuse(key, "be given for files of nodes only, such as .glb");
+  if (s.has("scale")) body.scale = s.real("scale", 1, {.least = 1e-9, .most = 1e9});
+  body.up = s.choice("up", "y", {"x", "y", "z"});
+  std::string lower = body.mesh;
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  if (!body.scale && (lower.ends_with(".3mf") || lower.ends_with(".fbx")))
+    s.refuse(
+        "mesh", "have a 'scale' beside it",
+        "such files have a unit of their own, which assimp does not apply: scale = 0.001 where it is a millimetre");
+}
+
 ReplayBody read_body(const Section& s, double tolerance) {
   ReplayBody body;
-  if (!s.has("name")) s.fail("missing key '" + s.full("name") + "', the name of the body");
+  body.parts = s.boolean("parts", false);
+  if (!s.has("name") && !body.parts) s.fail("missing key '" + s.full("name") + "', the name of the body");
   body.name = s.text("name", "");
-  if (!valid_label(body.name)) s.refuse("name", kLabelRule);
-  const std::vector<std::string> others{"name", "mesh", "fixed", "poses", "position", "orientation"};
+  if (s.has("name") && !valid_label(body.name)) s.refuse("name", kLabelRule);
+  const std::vector<std::string> others{"name", "mesh",  "node",  "parts",    "scale",
+                                        "up",   "fixed", "poses", "position", "orientation"};
   if (s.has("mesh")) {
     if (s.has("shape")) s.refuse("shape", "be absent where 'mesh' is given", "a body has one of them");
     s.only(others);
     body.mesh = s.text("mesh", "");
     if (body.mesh.empty()) s.refuse("mesh", "name a file");
     body.place = place_of(s, "mesh");
+    read_mesh_keys(s, body);
   } else {
+    for (const char* key : {"node", "parts", "scale", "up"})
+      if (s.has(key)) s.refuse(key, "be given beside 'mesh' only");
     if (!s.has("shape"))
       s.fail("missing key '" + s.full("mesh") + "', or 'shape' with its parameters; see `pipeline list shapes`");
     body.shape = read_shape(s, others);
@@ -58,11 +89,14 @@ ReplayBody read_body(const Section& s, double tolerance) {
     for (const char* key : {"position", "orientation"})
       if (s.has(key)) s.refuse(key, "be given for fixed bodies only", "a moving body has its poses in the CSV");
   if (s.has("poses")) {
+    if (body.parts) s.refuse("poses", "be absent where 'parts' is", "the rows of scene.poses name the parts");
     if (body.fixed) s.refuse("poses", "be given for moving bodies only", "a fixed body has its position");
     body.poses = s.text("poses", "");
     if (body.poses.empty()) s.refuse("poses", "name a CSV file");
     body.poses_place = place_of(s, "poses");
   }
+  if (s.has("position") && body.parts)
+    s.refuse("position", "be absent where 'parts' is", "fixed parts stand where the file has them");
   if (s.has("position")) s.reals("position", body.position.emplace(), kAnyCoordinate);
   if (s.has("orientation")) {
     if (!body.position) s.fail("missing key '" + s.full("position") + "' beside 'orientation'");
@@ -88,9 +122,13 @@ std::string read_euler(const Section& s) {
   return order;
 }
 
+/// Whether it stands where the configuration or its mesh file has it.
+bool has_place(const ReplayBody& body) { return body.position || (body.fixed && (body.parts || !body.node.empty())); }
+
 /// Whether some body has its poses neither here nor in a file of its own.
 bool needs_poses(const ReplayScene& scene) {
-  return std::ranges::any_of(scene.bodies, [](const ReplayBody& body) { return body.poses.empty() && !body.position; });
+  return std::ranges::any_of(scene.bodies,
+                             [](const ReplayBody& body) { return body.poses.empty() && !has_place(body); });
 }
 
 void read(const Section& s, SceneConfig& config) {
@@ -118,17 +156,29 @@ void read(const Section& s, SceneConfig& config) {
     std::set<std::string> taken;
     for (const Section& t : s.sections("body")) {
       scene.bodies.push_back(read_body(t, scene.rules.tolerance));
-      if (!taken.insert(scene.bodies.back().name).second) t.refuse("name", "be the only one of its name");
+      if (!scene.bodies.back().parts && !taken.insert(scene.bodies.back().name).second)
+        t.refuse("name", "be the only one of its name");
     }
     const bool moved = std::ranges::any_of(scene.bodies, [](const ReplayBody& body) { return !body.poses.empty(); });
     if (scene.poses.empty() && (needs_poses(scene) || !moved))
       s.fail("missing key '" + s.full("poses") + "', a CSV file; or 'motion', the result of an earlier run");
     if (scene.bodies.empty()) s.fail("missing [[scene.body]]: name the bodies of the CSV and their meshes");
+    const bool known = std::ranges::none_of(scene.bodies, &ReplayBody::parts);  // else when the files are read
     for (const std::string& name : scene.only)
-      if (!taken.contains(name))
+      if (known && !taken.contains(name))
         s.refuse("only", "hold names of bodies", hint(name, std::vector<std::string>(taken.begin(), taken.end())));
   }
   config.scene = std::move(scene);
+}
+
+/// The keys of a body that say which mesh it has.
+void write_surface(const ReplayBody& body, TomlText& out) {
+  if (body.shape) return write_shape(*body.shape, out);
+  out.line("mesh", body.mesh);
+  if (!body.node.empty()) out.line("node", body.node);
+  if (body.parts) out.line("parts", true);
+  if (body.scale) out.line("scale", *body.scale);
+  if (body.up != "y") out.line("up", body.up);
 }
 
 void write(const SceneConfig& config, TomlText& out) {
@@ -141,11 +191,8 @@ void write(const SceneConfig& config, TomlText& out) {
   if (!scene.only.empty()) out.list("only", scene.only);
   for (const ReplayBody& body : scene.bodies) {
     out.table("[[scene.body]]");
-    out.line("name", body.name);
-    if (body.shape)
-      write_shape(*body.shape, out);
-    else
-      out.line("mesh", body.mesh);
+    if (!body.name.empty()) out.line("name", body.name);
+    write_surface(body, out);
     out.line("fixed", body.fixed);
     if (!body.poses.empty()) out.line("poses", body.poses);
     if (!body.position) continue;
@@ -158,42 +205,104 @@ void write(const SceneConfig& config, TomlText& out) {
 
 /// Bodies as the configuration lists them. Bodies of one file or of equal shapes share a mesh, which is named after the
 /// first of them.
-geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene, bool judge) {
-  geometry::Bodies bodies;
-  std::map<std::string, std::uint32_t> known;  // by the text of `shape`
-  std::optional<std::pair<ReplayBody, geometry::Solid>> first_open;
-  bool any_closed = false;
-  for (const ReplayBody& body : scene.bodies) {
-    TomlText text;
-    if (body.shape)
-      write_shape(*body.shape, text);
-    else
-      text.line("mesh", body.mesh);
-    const auto [at, fresh] = known.emplace(text.text, std::uint32_t(bodies.meshes.size()));
-    if (fresh) {
-      geometry::Mesh mesh;
-      if (body.shape) {
-        mesh = make_mesh(*body.shape, body.name);
-        any_closed = true;
-      } else {
-        MeshInput input = read_mesh(config, body.mesh, body.place, body.name);
-        mesh = std::move(input.mesh);
-        if (judge) {
-          geometry::Solid solid = geometry::solid_of(mesh, config.closed_within);
-          note_flaws(mesh, solid, input.path, config);
-          any_closed |= solid.closed;
-          if (!solid.closed && !first_open) first_open.emplace(body, std::move(solid));
-        }
+class Bodies {
+ public:
+  Bodies(SceneConfig& config, bool judge, ReplayInputs& out) : config_(config), judge_(judge), out_(out) {}
+
+  void add(const ReplayBody& body) {
+    MeshFile file{.file = body.mesh, .place = body.place, .node = body.node, .up = body.up[0]};
+    file.scale.fill(body.scale.value_or(1));
+    if (body.parts) {
+      for (MeshInput& part : read_parts(config_, file, body.name.empty() ? "" : body.name + ".", nodes_)) {
+        const std::string name = part.mesh.name;
+        const auto pose = part.pose;
+        add(body, name, new_mesh(body, std::move(part)), pose);
       }
-      bodies.meshes.push_back(std::move(mesh));
+      return;
     }
-    bodies.add(body.name, at->second, body.fixed);
+    TomlText text;
+    write_surface(body, text);
+    auto at = known_.find(text.text);
+    if (at == known_.end()) {
+      Known known;
+      if (body.shape) {
+        any_closed_ = true;
+        known.mesh = std::uint32_t(out_.bodies.meshes.size());
+        out_.bodies.meshes.push_back(make_mesh(*body.shape, body.name));
+        closed_.push_back(true);
+      } else {
+        MeshInput input = read_mesh(config_, file, body.name, nodes_);
+        known.pose = input.pose;
+        known.mesh = new_mesh(body, std::move(input));
+      }
+      at = known_.emplace(text.text, known).first;
+    }
+    add(body, body.name, at->second.mesh, at->second.pose);
   }
-  if (judge && config.containment != Containment::ignore && !any_closed)
-    throw Error(kInput, first_open->first.place + " of body '" + first_open->first.name +
-                            "': " + all_open_text(first_open->first.name, first_open->second));
-  return bodies;
-}
+
+  /// Throws Error(kInput) when containment counts and nothing can hold anything.
+  void finish() const {
+    if (judge_ && config_.containment != Containment::ignore && !any_closed_)
+      throw Error(kInput,
+                  first_open_->first.place + " of body '" + out_.bodies.meshes[first_open_->second.first].name + "': " +
+                      all_open_text(out_.bodies.meshes[first_open_->second.first].name, first_open_->second.second));
+  }
+
+ private:
+  struct Known {
+    std::uint32_t mesh = 0;
+    std::optional<geometry::Pose> pose;
+  };
+
+  std::uint32_t new_mesh(const ReplayBody& body, MeshInput input) {
+    const auto at = std::uint32_t(out_.bodies.meshes.size());
+    closed_.push_back(false);
+    if (judge_) {
+      geometry::Solid solid = geometry::solid_of(input.mesh, config_.closed_within);
+      note_flaws(input.mesh, solid, input.path, config_);
+      any_closed_ |= solid.closed;
+      closed_.back() = solid.closed;
+      if (!solid.closed && !first_open_) first_open_.emplace(body, std::pair(at, std::move(solid)));
+    }
+    out_.bodies.meshes.push_back(std::move(input.mesh));
+    return at;
+  }
+
+  void add(const ReplayBody& body, const std::string& name, std::uint32_t mesh,
+           const std::optional<geometry::Pose>& pose) {
+    if (!names_.insert(name).second)
+      throw Error(kInput, body.place + ": another body is named " + in_quotes(one_line(name)) + "; rename one");
+    out_.bodies.add(name, mesh, body.fixed);
+    out_.of.push_back(&body);
+    auto& stays = out_.stays.emplace_back();
+    if (body.position) {
+      const auto& t = *body.position;
+      const auto& q = body.orientation;
+      stays = {geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}};
+    } else if (body.fixed) {
+      stays = pose;
+    }
+    if (!judge_) return;
+    const geometry::Mesh& surface = out_.bodies.meshes[mesh];
+    const geometry::Box box = geometry::local_box(surface);
+    out_.facts.push_back({.name = name,
+                          .mesh = body.mesh,
+                          .fixed = body.fixed,
+                          .closed = closed_[mesh],
+                          .facets = surface.triangles.size(),
+                          .size = box.max - box.min});
+  }
+
+  SceneConfig& config_;
+  const bool judge_;
+  ReplayInputs& out_;
+  NodeFiles nodes_;
+  std::map<std::string, Known> known_;  // by the keys of the mesh
+  std::set<std::string> names_;
+  std::vector<bool> closed_;  // by mesh
+  std::optional<std::pair<ReplayBody, std::pair<std::uint32_t, geometry::Solid>>> first_open_;
+  bool any_closed_ = false;
+};
 
 /// One table of poses: what it says, and what is to be said of it.
 void load_table(SceneConfig& config, const ReplayScene& scene, const std::string& file, const std::string& place,
@@ -209,19 +318,19 @@ void load_table(SceneConfig& config, const ReplayScene& scene, const std::string
   join(motion, std::move(table), input.path);
 }
 
-CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene) {
+CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene, const ReplayInputs& inputs) {
   std::vector<CsvBody> bodies;
-  for (const ReplayBody& body : scene.bodies)
-    bodies.push_back({body.name, !body.poses.empty() ? CsvBody::elsewhere
-                                 : !body.fixed       ? CsvBody::every_step
-                                 : body.position     ? CsvBody::none
-                                                     : CsvBody::first_step});
+  for (std::uint32_t b = 0; b < inputs.bodies.size(); ++b)
+    bodies.push_back({inputs.bodies.name[b], !inputs.of[b]->poses.empty() ? CsvBody::elsewhere
+                                             : !inputs.bodies.fixed[b]    ? CsvBody::every_step
+                                             : inputs.stays[b]            ? CsvBody::none
+                                                                          : CsvBody::first_step});
   CsvMotion motion;
   motion.tracks.resize(bodies.size());
   if (!scene.poses.empty()) load_table(config, scene, scene.poses, scene.place, bodies, motion);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const ReplayBody& body = scene.bodies[b];
-    if (!body.poses.empty()) {
+    const ReplayBody& body = *inputs.of[b];
+    if (bodies[b].rows == CsvBody::elsewhere) {
       CsvMotion own;
       load_table(config, scene, body.poses, body.poses_place, {{body.name}}, own);
       std::vector<CsvTrack> tracks(bodies.size());
@@ -229,11 +338,7 @@ CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene) {
       own.tracks = std::move(tracks);
       join(motion, std::move(own), (config.path.parent_path() / body.poses).string());
     }
-    if (bodies[b].rows != CsvBody::none) continue;
-    const auto& t = *body.position;
-    const auto& q = body.orientation;
-    motion.tracks[b] = {
-        .first = 0, .stays = true, .poses = {{geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}}}};
+    if (bodies[b].rows == CsvBody::none) motion.tracks[b] = {.first = 0, .stays = true, .poses = {*inputs.stays[b]}};
   }
   return motion;
 }
@@ -255,14 +360,50 @@ void load_result(SceneConfig& config, const ReplayScene& scene, bool judge, Repl
   inputs.rate = earlier.rate;
 }
 
+/// The one in the middle; `values` are not empty.
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// What looks as if a file were in another unit: a body a hundred times as large as the others are, or as small, and a
+/// path of thousands of its own lengths.
+void add_doubts(ReplayInputs& inputs) {
+  for (std::size_t b = 0; b < inputs.facts.size(); ++b) {
+    BodyFacts& body = inputs.facts[b];
+    geometry::Vec3 low = geometry::Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const geometry::Pose& pose : inputs.csv.tracks[b].poses) {
+      low = low.cwiseMin(pose.t);
+      high = high.cwiseMax(pose.t);
+    }
+    body.path = std::max(0.0, (high - low).maxCoeff());
+    const double size = body.size.maxCoeff();
+    if (body.path > 5000 * size)
+      body.doubt = print("goes %.3g m, %.0f times its own length: are positions in millimetres, or its mesh in metres?",
+                         body.path, body.path / size);
+    std::vector<double> others;
+    for (std::size_t o = 0; o < inputs.facts.size(); ++o)
+      if (o != b) others.push_back(inputs.facts[o].size.maxCoeff());
+    if (others.empty() || body.mesh.empty()) continue;
+    const double usual = median(std::move(others));
+    if (size >= 100 * usual || size <= usual / 100)
+      body.doubt = print("is %.3g m long, the others %.3g m: is its file in another unit? scale = %s", size, usual,
+                         size > usual ? "0.001 or 0.01" : "1000 or 100");
+  }
+}
+
 /// `judge`: with a look at what is wrong with the meshes.
 ReplayInputs load(SceneConfig& config, const ReplayScene& scene, bool judge) {
   ReplayInputs inputs;
   if (!scene.motion.empty()) {
     load_result(config, scene, judge, inputs);
   } else {
-    inputs.bodies = load_bodies(config, scene, judge);
-    inputs.csv = load_poses(config, scene);
+    Bodies bodies(config, judge, inputs);
+    for (const ReplayBody& body : scene.bodies) bodies.add(body);
+    bodies.finish();
+    inputs.csv = load_poses(config, scene, inputs);
+    add_doubts(inputs);
   }
   if (scene.only.empty()) return inputs;
   geometry::Bodies& bodies = inputs.bodies;
@@ -327,6 +468,7 @@ void complete(SceneConfig& config) {
   }
   scene.size = size_of(inputs.bodies);
   scene.births = births_of(inputs);
+  scene.facts = inputs.facts;
   config.scene = std::move(scene);
 }
 
@@ -339,6 +481,8 @@ const ReplayScene& completed(const SceneConfig& config) {
 SceneSize size(const SceneConfig& config) { return *completed(config).size; }
 
 std::vector<Ahead> ahead(const SceneConfig& config) { return completed(config).births; }
+
+std::vector<BodyFacts> facts(const SceneConfig& config) { return completed(config).facts; }
 
 Scene make(const SceneConfig& config) {
   SceneConfig again = config;
@@ -366,7 +510,8 @@ SceneKind replay_kind() {
           .size = size,
           .make = make,
           .ahead = ahead,
-          .complete = complete};
+          .complete = complete,
+          .facts = facts};
 }
 
 }  // namespace pipeline

@@ -13,9 +13,13 @@ namespace pipeline {
 
 /// One body of a replayed scene.
 struct ReplayBody {
-  std::string name;
-  std::string mesh;            // file as written; empty: a shape
-  std::optional<Shape> shape;  // else the mesh
+  std::string name;             // of parts what stands before each node's; may be empty
+  std::string mesh;             // file as written; empty: a shape
+  std::string node;             // of that file; empty: all of it
+  bool parts = false;           // every node of it is a body
+  std::optional<double> scale;  // metres a unit of the file
+  std::string up = "y";         // its axis that becomes y
+  std::optional<Shape> shape;   // else the mesh
   bool fixed = false;
   std::optional<std::array<double, 3>> position;  // m; of fixed bodies, when it is not in the CSV
   std::array<double, 4> orientation{1, 0, 0, 0};  // w x y z, as written
@@ -34,6 +38,7 @@ struct ReplayScene {
   // What is known of the files once they were read (SceneKind::complete):
   std::optional<SceneSize> size;
   std::vector<Ahead> births;
+  std::vector<BodyFacts> facts;
 };
 
 SceneKind replay_kind();
