@@ -117,6 +117,13 @@ void sweep(int folder, Lease::Seconds lease) {
   }
 }
 
+/// Whether a folder without manifest is one: just begun, or all but removed, when the kill came.
+bool is_bare(int folder) {
+  return std::ranges::all_of(names_in(folder), [](const std::string& name) {
+    return name == kLock || new_file_of(name) == std::string(kManifest);
+  });
+}
+
 void erase_chunks(int folder) {
   for (const std::string& name : names_in(folder))
     if (is_chunk(name) || is_claim(name) || is_leftover(name)) remove_regular(folder, name);
