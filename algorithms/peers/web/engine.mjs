@@ -55,7 +55,6 @@ export function engine({packages, near = false, self_test = () => true, ...about
     const [first, ...more] = packages.map(installed);
     about.version = [first.version, ...more.map(one => `${one.name} ${one.version}`)].join(', ');
     about.licence = [...new Set([first, ...more].map(one => one.license))].join(', ');
-    if (near) about.tests += '; asked of near pairs only';
     if (self_test(knobs)) await test_itself(make, near, knobs);
     const world = world_of(bodies, meshes), before = await held(), begin = process.hrtime.bigint();
     let method;
