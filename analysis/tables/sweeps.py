@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from analysis.load import load
-from analysis.tables import pareto, scenes
-from analysis.tables.statements import verdicts
-from analysis.words import listed, verb
+from ..load import load
+from . import pareto, scenes
+from .statements import verdicts
+from ..words import listed, verb
 
 OF_STATEMENTS = ("box", "falling", "playground")
 
