@@ -37,6 +37,7 @@ function decoded(data) {
       Object.entries(mesh.proxies).map(([label, parts]) => [
         label,
         {
+          ...parts,
           balls: parts.balls && new Float64Array(bytes(parts.balls)),
           corners: parts.vertices && new Float64Array(bytes(parts.vertices)),
           index: parts.triangles && new Uint32Array(bytes(parts.triangles)),

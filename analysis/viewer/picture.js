@@ -245,7 +245,10 @@ function makePicture(page) {
     const shown = page.seen();
     if (shown) {
       const colors = ["--first", "--second"].map(css);
-      shown.bodies.forEach((view, i) => showSeen(view, colors[i], size / 2, 0.9));
+      shown.bodies.forEach(([view, filter], i) => {
+        showSeen(view, colors[i], size / 2, 0.9);
+        showSeen({ lines: filter.lines, balls: filter.balls }, colors[i], size / 5, 0.7);
+      });
       const { lines = [], faces = [], points = [] } = shown.marks;
       const red = css("--decides");
       if (lines.length) marks.add(bars(lines.map((line) => line.map(toDrawn)), 0.8 * size, red));

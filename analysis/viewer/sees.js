@@ -4,8 +4,9 @@
 // sines, cosines and their inverses may differ from the pipeline's, in the last bit; `tie` tells how near that is to
 // deciding.
 //
-// A body is { name, fixed, q, t, mesh } in metres, a mesh { name, corners, index, ball }: its vertices one after
-// another, and the nominal radius of a sphere, else 0.
+// A body is { name, fixed, q, t, mesh } in metres, a mesh { name, corners, index, ball, proxies }: its vertices one
+// after another, the nominal radius of a sphere, else 0, and by label what stands for it in a method: { kind, balls,
+// corners, index }.
 "use strict";
 
 const sees = (() => {
@@ -715,6 +716,82 @@ const sees = (() => {
     };
   }
 
+  // ---- what the file has in place of meshes, by label: balls, a capsule's two ends, or closed surfaces
+
+  const placedBalls = (body, { balls }) =>
+    Array.from({ length: balls.length / 4 }, (_, i) => [[...placed(body, balls.subarray(4 * i, 4 * i + 3))], balls[4 * i + 3]]);
+
+  function proxyView(body, proxy) {
+    const found = { lines: [], faces: [], points: [], balls: proxy.balls ? placedBalls(body, proxy) : [] };
+    if (proxy.kind === "capsule") {
+      const [[p, r], [q]] = found.balls,
+        axis = sub(q, p),
+        aside = cross(axis, Math.abs(axis[0]) < Math.abs(axis[1]) ? [1, 0, 0] : [0, 1, 0]),
+        other = cross(axis, aside);
+      const unit = (d) => (length(d) > 0 ? d.map((x) => x / length(d)) : d);
+      for (let i = 0; i < 12 && length(axis) > 0; ++i) {
+        const angle = (i * Math.PI) / 6,
+          off = unit(aside).map((x, c) => r * (x * Math.cos(angle) + unit(other)[c] * Math.sin(angle)));
+        found.lines.push([add(p, off), add(q, off)]);
+      }
+    }
+    if (proxy.index) {
+      const world = list(placed(body, proxy.corners));
+      for (let i = 0; i < proxy.index.length; i += 3) {
+        const [p, q, r] = [0, 1, 2].map((c) => world[proxy.index[i + c]]);
+        found.faces.push([p, q, r]);
+        found.lines.push([p, q], [q, r], [r, p]);
+      }
+    }
+    return found;
+  }
+
+  function wrapRow(body, { outside_share: share, outside_greatest: greatest }) {
+    if (typeof share !== "number") return [];
+    const out = share > 0 ? `${digits(100 * share, 3)} % of its vertices are outside, at most ${metres(greatest)}` : "holds all vertices";
+    return [[`proxy of ${body.name}`, out]];
+  }
+
+  // The surfaces of the proxies as measure() takes them.
+  function proxySurface(body, proxy) {
+    const world = list(placed(body, proxy.corners));
+    return { index: proxy.index, vertex: (i) => world[i] };
+  }
+
+  function proxies(a, b, [p, q]) {
+    const rows = [...wrapRow(a, p), ...wrapRow(b, q)];
+    if (p.index && q.index) {
+      const found = measure(proxySurface(a, p), proxySurface(b, q));
+      if (!found) return tooMany(rows);
+      if (found.pairs)
+        return { hit: true, tie: 1, because: `${many(found.pairs, "pair")} of the proxies' triangles cross`, rows, marks: { lines: found.segments } };
+      const { distance, from, to } = found.gap;
+      return { ...unknown(`the proxies' surfaces are ${metres(distance)} apart, or one lies in the other`, rows), marks: { lines: [[from, to]] } };
+    }
+    if (!p.balls || !q.balls) return unknown("its proxies are of different kinds", rows);
+    const [one, other] = [placedBalls(a, p), placedBalls(b, q)];
+    const capsules = p.kind === "capsule" && q.kind === "capsule";
+    let best = { gap: Infinity };
+    const look = (from, r, to, t) => {
+      const gap = length(sub(from, to)) - (r + t);
+      if (gap < best.gap) best = { gap, from, r, to, t };
+    };
+    if (capsules) {
+      const [from, to] = measure.between(one[0][0], one[1][0], other[0][0], other[1][0]);
+      look(from, one[0][1], to, other[0][1]);
+    } else for (const [from, r] of one) for (const [to, t] of other) look(from, r, to, t);
+    const hit = best.gap <= 0,
+      what = capsules ? "the capsules" : "the nearest two balls";
+    const to = length(sub(best.to, best.from)) > 0 ? sub(best.to, best.from).map((x) => x / length(sub(best.to, best.from))) : [1, 0, 0];
+    return {
+      hit,
+      tie: Math.abs(best.gap) / lengths(a, b),
+      because: hit ? `${what} overlap by ${metres(-best.gap)}` : `${what} are ${metres(best.gap)} apart`,
+      rows: [...rows, ["compared", capsules ? "the segments within" : `${one.length} × ${other.length} balls`]],
+      marks: hit ? {} : { lines: [[along(best.from, to, best.r), along(best.to, to, -best.t)]] },
+    };
+  }
+
   // ---- the methods
 
   const FILTER = { prefilter: "rotated_aabb" };
@@ -784,30 +861,43 @@ const sees = (() => {
     cannon_sap: { what: "the engine's balls about the positions, swept along x", compare: cannonSap, view: ball(nominal) },
   };
 
-  function view(name, knobs, body) {
-    const method = METHODS[name];
-    return method ? method.view(body, { ...method.presets, ...knobs }) : {};
+  const SURFACES = ["exact", "exact_cold", "fcl_bvh", "all_triangles"];
+
+  function view(name, knobs, body, label) {
+    const method = METHODS[name],
+      proxy = body.mesh.proxies[label];
+    return proxy ? proxyView(body, proxy) : method ? method.view(body, { ...method.presets, ...knobs }) : {};
   }
 
-  // { hit, tie, because, rows, marks, filter: { name, answer } }: as the comparisons; `hit` is null where it is not
-  // known. `all`: the bodies of the step, by number, undefined where one is not there. With `short` nothing is computed
-  // that does not change the hit.
-  function compare(name, knobs, a, b, all, short = false) {
+  // { hit, tie, because, rows, marks, own, filter: { name, answer } }: as the comparisons; `hit` is null where it is not
+  // known, `own` is the answer without the prefilter. `all`: the bodies of the step, by number, undefined where one is
+  // not there. With `short` nothing is computed that does not change the hit.
+  function compare(name, knobs, a, b, { all, label, short = false }) {
     const method = METHODS[name],
-      known = { ...(method ? method.presets : {}), ...knobs };
-    const filter = known.prefilter && known.prefilter !== "none" ? { name: known.prefilter, answer: compare(known.prefilter, {}, a, b, all, short) } : null;
-    const stopped = filter && filter.answer.hit === false;
+      known = { ...(method ? method.presets : {}), ...knobs },
+      pair = [a, b].map((body) => body.mesh.proxies[label]);
+    const filter = known.prefilter && known.prefilter !== "none" ? { name: known.prefilter, answer: compare(known.prefilter, {}, a, b, { all, short }) } : null;
+    const stopped = filter !== null && filter.answer.hit === false;
     if (stopped && short) return { ...filter.answer, filter };
-    const own = method ? method.compare(a, b, known, all) : unknown("what it compares is not known to this page");
+    const own = pair.every(Boolean)
+      ? proxies(a, b, pair)
+      : method
+        ? method.compare(a, b, known, all)
+        : unknown(SURFACES.includes(name) ? "it compares the surfaces themselves, as they are drawn" : "what it compares is not known to this page");
     if (!filter) return own;
-    const answer = { ...own, own: own.hit, filter };
-    answer.hit = stopped || own.hit === false ? false : filter.answer.hit === null ? null : own.hit;
-    answer.tie = Math.min(own.hit === null ? 1 : own.tie, filter.answer.tie);
-    if (stopped) answer.marks = filter.answer.marks;
-    return answer;
+    const hit = stopped || own.hit === false ? false : filter.answer.hit === null ? null : own.hit;
+    return {
+      ...own,
+      hit,
+      tie: Math.min(own.hit === null ? 1 : own.tie, filter.answer.tie),
+      own: own.hit,
+      marks: stopped ? filter.answer.marks : own.marks,
+      stopped,
+      filter,
+    };
   }
 
   const presets = Object.fromEntries(Object.entries(METHODS).map(([name, { presets = {} }]) => [name, presets]));
   const what = (name) => (METHODS[name] ? METHODS[name].what : "");
-  return { view, compare, placed, presets, what, metres, digits };
+  return { view, compare, presets, what, metres, digits };
 })();

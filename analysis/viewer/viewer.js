@@ -284,28 +284,28 @@
     const { hit, wrong } = says(one, pair, met);
     const filter = seen.filter;
     let because = seen.because;
-    if (filter && filter.answer.hit === false)
+    if (seen.stopped)
       because = `because its prefilter ${filter.name} is: ${filter.answer.because}`;
     const made = element("div", { class: "why" }, element("strong", {}, one.label, " ", verb(hit), " ", wrong ? sign(wrong) : ""));
     made.append(element("div", {}, because));
     if (seen.hit !== null && seen.hit !== hit)
       made.append(element("div", { class: "soft" }, `Computed again here it ${seen.hit ? "would report it" : "would be silent"}: the comparison is decided by the last bits of its numbers, or by what this page does not have.`));
-    if (state.sees && sees.what(one.name))
+    if (state.sees && (sees.what(one.name) || meshes.some((mesh) => mesh.proxies[one.label])))
       made.append(
         element(
           "div",
           { class: "soft drawn" },
-          `Drawn: ${sees.what(one.name)}, `,
+          `Drawn: ${sees.what(one.name) || "what stands for the meshes"}, `,
           element("span", { class: "key first" }),
           ` of ${name(pair[0])}, `,
           element("span", { class: "key second" }),
-          ` of ${name(pair[1])}; `,
+          ` of ${name(pair[1])}${seen.stopped ? `, thin what ${filter.name} compares` : ""}; `,
           element("span", { class: "key decides" }),
           " what decides.",
         ),
       );
     if (filter) made.append(table([[`${filter.name} first`, `${verb(filter.answer.hit !== false)}: ${filter.answer.because}`], ...filter.answer.rows]));
-    const own = filter && filter.answer.hit === false ? [[`${one.name} alone`, seen.own === null ? seen.because : `would ${seen.own ? "report it" : "be silent"}: ${seen.because}`]] : [];
+    const own = seen.stopped ? [[`${one.name} alone`, seen.own === null ? seen.because : `would ${seen.own ? "report it" : "be silent"}: ${seen.because}`]] : [];
     if (own.length || seen.rows.length) made.append(table([...own, ...seen.rows]));
     return [made];
   }
@@ -473,28 +473,16 @@
   const there = (k = state.k) => data.bodies.map((_, b) => body(b, k) || undefined);
 
   function compared(one, [a, b], all = there(), short = false) {
-    return sees.compare(one.name, one.given, all[a], all[b], all, short);
+    return sees.compare(one.name, one.given, all[a], all[b], { all, label: one.label, short });
   }
 
-  // What the algorithm sees of a body, as sees.view() tells it, and what stands for its mesh in the file.
+  // What the algorithm sees of a body, as sees.view() tells it; and what its prefilter sees, where that stopped the pair.
   function viewed(b) {
     const one = algorithm(),
       here = body(b, state.k);
-    if (!one || !here) return {};
-    const found = { lines: [], faces: [], points: [], balls: [], ...sees.view(one.name, one.given, here) },
-      proxy = here.mesh.proxies[one.label];
-    if (!proxy) return found;
-    const at = (flat, i) => sees.placed(here, flat.subarray(3 * i, 3 * i + 3));
-    if (proxy.balls)
-      for (let i = 0; i < proxy.balls.length; i += 4)
-        found.balls.push([[...sees.placed(here, proxy.balls.subarray(i, i + 3))], proxy.balls[i + 3]]);
-    if (proxy.index)
-      for (let i = 0; i < proxy.index.length; i += 3) {
-        const corners = [0, 1, 2].map((c) => [...at(proxy.corners, proxy.index[i + c])]);
-        found.faces.push(corners);
-        found.lines.push(...[0, 1, 2].map((c) => [corners[c], corners[(c + 1) % 3]]));
-      }
-    return found;
+    if (!one || !here) return [{}, {}];
+    const stopped = seen && seen.stopped;
+    return [sees.view(one.name, one.given, here, one.label), stopped ? sees.view(seen.filter.name, {}, here) : {}];
   }
 
   function choose(bodies, near = false) {
@@ -749,6 +737,7 @@
     measured: () => measured,
     seen: () => seen,
     viewed,
+    body: (b) => body(b, state.k),
     recount,
     drawn: (b) => Array.from({ length: meshes[data.bodies[b].mesh].vertices.length / 3 }, (_, i) => solid(b).vertex(i)),
     name,

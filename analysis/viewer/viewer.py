@@ -279,9 +279,14 @@ def _mesh(name, group):
 
 
 def _proxy(group):
-    """What stands for a mesh in a method: balls (centre and radius), or vertices and triangles, metres, mesh frame."""
+    """What stands for a mesh in a method: balls (centre and radius) or vertices and triangles, metres, mesh frame; and
+    how well it wraps the mesh."""
     kinds = {"balls": "<f8", "vertices": "<f8", "triangles": "<u4"}
-    return {name: _base64(group[name][()].astype(kind)) for name, kind in kinds.items() if name in group}
+    about = {"kind": str(group.attrs.get("kind", "balls"))}
+    for name in ("outside_share", "outside_greatest"):
+        if np.isfinite(value := float(group.attrs.get(name, np.nan))):
+            about[name] = value
+    return about | {name: _base64(group[name][()].astype(kind)) for name, kind in kinds.items() if name in group}
 
 
 def _pair_sets(group, first, end, offset="pair_offset", pair="pair"):
