@@ -9,13 +9,13 @@ import os
 import sys
 import warnings
 
-from analysis.tables import scenes, study_tables
-from analysis.viewer import viewer
-from analysis.intact import Unvouched
-from analysis.load import SWEEP, load, load_sweep
-from analysis.output import open_standard_descriptors, refuse, say, visible, write
-from analysis.tables.clauses import shown
-from analysis.tables.statements import verdicts
+from .tables import scenes, study_tables
+from .viewer import viewer
+from .intact import Unvouched
+from .load import SWEEP, load, load_sweep
+from .output import open_standard_descriptors, refuse, say, visible, write
+from .tables.clauses import shown
+from .tables.statements import verdicts
 
 KINDS = ("box", "falling", "playground")
 
@@ -64,7 +64,7 @@ def write_report(paths, output, unsealed=False):
     refuse(output)  # before the work
     table = swept(paths)
     runs = [] if table is not None else [read(path, unsealed) for path in paths]
-    from analysis.report.report import report, sweep_report  # matplotlib is slow to load, and nothing above needs it
+    from .report.report import report, sweep_report  # matplotlib is slow to load, and nothing above needs it
 
     write(output, report(runs) if table is None else sweep_report(table))
     say(output)

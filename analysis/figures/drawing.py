@@ -9,10 +9,10 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter, LogLocator
 from matplotlib.transforms import ScaledTranslation
 
-from analysis.tables import pareto
-from analysis.tables.scenes import twins
-from analysis.tables.studies import simulated
-from analysis.words import listed
+from ..tables import pareto
+from ..tables.scenes import twins
+from ..tables.studies import simulated
+from ..words import listed
 
 MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
 LINE = 19  # letters of a line above a small panel

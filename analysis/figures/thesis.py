@@ -7,11 +7,11 @@ named.
 
 import re
 
-from analysis.figures import engine as engine_figures, playground as playground_map, steps as step_figures
-from analysis.tables import pareto, scenes
-from analysis.figures.drawing import NotDrawn, guarded, key, simulated
-from analysis.figures.figure import Figure, Section
-from analysis.figures.thesis_tables import in_javascript, languages_figure, means_figure, statements_part
+from . import engine as engine_figures, playground as playground_map, steps as step_figures
+from ..tables import pareto, scenes
+from .drawing import NotDrawn, guarded, key, simulated
+from .figure import Figure, Section
+from .thesis_tables import in_javascript, languages_figure, means_figure, statements_part
 
 NAMES = {
     "box": ("thesis section 5.1 (Kostka)", "figures 5.1 to 5.13, table 5.1"),

@@ -5,12 +5,12 @@ import re
 import numpy as np
 import pandas as pd
 
-from analysis.tables import intervals, thresholds as t
-from analysis.figures.drawing import NotDrawn, caption, comparable, digits, key, log_seconds, steps_of
-from analysis.figures.figure import PALETTE, Figure, Verdicts, figure, svg_of
-from analysis.tables.scenes import twins
-from analysis.tables.clauses import KEYS
-from analysis.tables.statements import CAREFUL, verdicts
+from ..tables import intervals, thresholds as t
+from .drawing import NotDrawn, caption, comparable, digits, key, log_seconds, steps_of
+from .figure import PALETTE, Figure, Verdicts, figure, svg_of
+from ..tables.scenes import twins
+from ..tables.clauses import KEYS
+from ..tables.statements import CAREFUL, verdicts
 
 # Mean milliseconds per step, Babylon.js in a browser: letter -> (table 5.1, the box; table 5.2, the falling scene).
 THESIS_MS = {

@@ -7,11 +7,11 @@ import re
 import numpy as np
 import pandas as pd
 
-from analysis.figures.figure import Figure, Points, Table, Text, Verdicts, slug
-from analysis.figures.thesis_tables import spelled
-from analysis.output import templates
-from analysis.tables.clauses import shown as value
-from analysis.words import counted
+from ..figures.figure import Figure, Points, Table, Text, Verdicts, slug
+from ..figures.thesis_tables import spelled
+from ..output import templates
+from ..tables.clauses import shown as value
+from ..words import counted
 
 HERE = pathlib.Path(__file__).parent
 

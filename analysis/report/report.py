@@ -4,17 +4,17 @@ import json
 
 import pandas as pd
 
-from analysis.figures import error as plots_error
-from analysis.figures import engines as engines_figures
-from analysis.figures import extremes as extremes_figures
-from analysis.figures import study as study_figures
-from analysis.figures import sweep as sweep_figures
-from analysis.figures import thesis as thesis_figures
-from analysis.report import choice, findings
-from analysis.tables import pareto
-from analysis.figures.figure import Section, Table, Text
-from analysis.report.page import page
-from analysis.words import counted, listed, number, verb
+from ..figures import error as plots_error
+from ..figures import engines as engines_figures
+from ..figures import extremes as extremes_figures
+from ..figures import study as study_figures
+from ..figures import sweep as sweep_figures
+from ..figures import thesis as thesis_figures
+from . import choice, findings
+from ..tables import pareto
+from ..figures.figure import Section, Table, Text
+from .page import page
+from ..words import counted, listed, number, verb
 
 SUMMARY = {  # column of the summary -> its head
     "error": "error",

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from analysis.tables import causes, intervals
-from analysis.tables.thresholds import MIDDLE_M, PARALLEL, THIN
+from . import causes, intervals
+from .thresholds import MIDDLE_M, PARALLEL, THIN
 
 TURN_EPSILON = 1e-6  # of matrices and quaternions; the turns of a playground are tens of degrees
 

@@ -9,10 +9,17 @@ from functools import lru_cache
 import numpy as np
 import pandas as pd
 
-from analysis.load import load
-from analysis.tables import intervals, pareto, scenes
-from analysis.tables.statements import verdicts
-from analysis.words import listed, verb
+<<<<<<< HEAD
+from ..load import load
+from . import pareto, scenes
+from .statements import verdicts
+from ..words import listed, verb
+=======
+from ..load import load
+from . import intervals, pareto, scenes
+from .statements import verdicts
+from ..words import listed, verb
+>>>>>>> main
 
 OF_STATEMENTS = ("box", "falling", "playground")
 
