@@ -445,6 +445,29 @@ Config recorded_config(const std::string& effective, const std::string& file) {
   }
 }
 
+namespace {
+
+/// The files of methods of others; what is optional and not here is left out.
+void find_methods(Config& config) {
+  const auto missing = find_files(config.algorithms);
+  for (const Plugin& plugin : config.plugins) config.inputs[plugin.written] = plugin.sha256;
+  for (const AlgorithmChoice& choice : config.algorithms)
+    if (choice.foreign) config.inputs.insert(choice.foreign->files.begin(), choice.foreign->files.end());
+  for (const std::string& note : leave_out(missing, config)) config.notes.push_back(note);
+}
+
+}  // namespace
+
+Config kept_config(const std::string& effective, const std::filesystem::path& from, const std::string& part) {
+  Config config = parsed(effective, from, {}, From::result);
+  if (!config.notes.empty() || !config.plugins.empty())
+    throw Error(kInput, part + ": " + (config.notes.empty() ? "names a library" : config.notes.front()) +
+                            "; a part starts nothing by itself: name its configuration with --config");
+  if (config.scene_kind->complete) config.scene_kind->complete(config);
+  find_methods(config);
+  return config;
+}
+
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets,
                    const std::vector<std::string>& plugins) {
   Config config = parsed(bytes_of(path), path, sets, From::file, add_plugins(plugins));
@@ -454,11 +477,7 @@ Config read_config(const std::filesystem::path& path, const std::vector<std::str
     config.scene_kind->complete(config);
     config.effective = effective(config);
   }
-  const auto missing = find_files(config.algorithms);
-  for (const Plugin& plugin : config.plugins) config.inputs[plugin.written] = plugin.sha256;
-  for (const AlgorithmChoice& choice : config.algorithms)
-    if (choice.foreign) config.inputs.insert(choice.foreign->files.begin(), choice.foreign->files.end());
-  for (const std::string& note : leave_out(missing, config)) config.notes.push_back(note);
+  find_methods(config);
   return config;
 }
 

@@ -47,6 +47,10 @@ Config parse_config(const std::string& text, const std::filesystem::path& path,
 /// are left out, and noted. Throws Error(kFile) naming the file.
 Config recorded_config(const std::string& effective, const std::string& file);
 
+/// The configuration that an unfinished run, `part`, keeps of itself; files that it names are looked for from `from`,
+/// where it was read. A part starts no program and no library: one of methods of others is refused, Error(kInput).
+Config kept_config(const std::string& effective, const std::filesystem::path& from, const std::string& part);
+
 /// An --algorithm argument, "NAME[:knob=value,...][@LABEL]", for a truth of that containment: what a knob `containment`
 /// follows when it is not given. Throws Error(kInput) naming the argument.
 AlgorithmChoice parse_algorithm(const std::string& argument, Containment containment = Containment::ignore);

@@ -151,7 +151,8 @@ def languages_table(run, kind):
     columns = ["key", "C++ ms", "JavaScript ms", "JS / C++", "low", "high", "thesis ms", "same answers"]
     if not rows:
         raise NotDrawn("the file has none of the thesis's nine in both languages, timed")
-    return pd.DataFrame.from_dict(rows, orient="index", columns=columns).sort_values("JS / C++").rename_axis("algorithm")
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=columns)
+    return table.sort_values("JS / C++").rename_axis("algorithm")
 
 
 def languages_figure(run, kind, name):
@@ -180,11 +181,12 @@ def languages_figure(run, kind, name):
     ratio, same = table["JS / C++"], table["same answers"].min()
     title = (f"On the same poses and machine JavaScript takes {digits(ratio.min())} ({ratio.idxmin()}) to "
              f"{digits(ratio.max())} times ({ratio.idxmax()}) as long as C++; ")
-    title += "both answer alike on every pair" if same == 1 else f"at least {100 * same:.4g} % of the answers are the same"
+    alike = f"at least {100 * same:.4g} % of the answers are the same"
+    title += "both answer alike on every pair" if same == 1 else alike
     what = (
-        f"The same methods in both languages, timed in turn on the same {run.meta['steps']} steps; numbers are JavaScript's"
-        " time over that of C++, in brackets the 95 % interval where there are steps enough. What C++ gains by an index is"
-        " left out; its vector instructions and orders that learn are not."
+        f"The same methods in both languages, timed in turn on the same {run.meta['steps']} steps; numbers are"
+        " JavaScript's time over that of C++, in brackets the 95 % interval where there are steps enough. What C++ gains"
+        " by an index is left out; its vector instructions and orders that learn are not."
     )
     table_name = f"table {TABLE[kind]}" if kind in TABLE else "section 6.1"
     return Figure(title, svg_of(fig), caption(run, what, table_name), table, name)

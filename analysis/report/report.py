@@ -244,6 +244,11 @@ def warnings(runs, found):
 def doubtful_times(run):
     """What makes mean times of a run doubtful; one line each."""
     table, lines = run.summary, []
+    if run.unlike:
+        processors = dict.fromkeys(name for names in run.unlike.values() for name in names)
+        who = listed(run.unlike) if len(run.unlike) < len(run.meta["algorithms"]) else "all algorithms"
+        lines.append(f"timed on unlike processors ({'; '.join(processors)}): {who}. Such times are drawn nowhere; `pipeline"
+                     " show` has them by processor, and “pipeline detect FILE --force” times anew on one.")
     if {"time_mean_ns", "time_p95_ns"} <= set(table):
         few = list(table.index[table.time_mean_ns > table.time_p95_ns])
         if few:

@@ -92,9 +92,10 @@ def timed(run):
     first = run.bodies.first_step.to_numpy()
     there = (first[None, :] >= 0) & (first[None, :] <= np.arange(run.meta["steps"])[:, None])
     hosts = {(answers["host"], answers["processor"]) for answers in run.meta["answers"].values()}
-    host = " ".join(hosts.pop()) if len(hosts) == 1 else ""  # "" when algorithms were timed on different machines
-    return Timed(run.summary, run.per_step, there.sum(axis=1), host, twins(run), run.step_times, run.noise,
-                 causes.of(run))
+    alike = len(hosts) == 1 and not run.unlike
+    host = " ".join(hosts.pop()) if alike else ""  # "" when algorithms were timed on different machines
+    times = {label: times for label, times in run.step_times.items() if label not in run.unlike}
+    return Timed(run.summary, run.per_step, there.sum(axis=1), host, twins(run), times, run.noise, causes.of(run))
 
 
 def twins(run):

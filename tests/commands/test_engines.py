@@ -147,7 +147,8 @@ def test_hulls_hold_their_meshes(engines):
     skip_without("jolt_hull")
     truth = pairs(engines["falling"], "truth")
     assert truth <= pairs(engines["falling"], "mujoco_hull")
-    assert truth > truth & pairs(engines["falling"], "jolt_hull") and len(truth & pairs(engines["falling"], "jolt_hull")) > 5
+    found = truth & pairs(engines["falling"], "jolt_hull")
+    assert 5 < len(found) < len(truth)
 
 
 def test_mujoco_is_silent_where_two_bodies_have_one_centre_unless_its_older_routine_is_asked(tmp_path):
@@ -326,5 +327,5 @@ def test_manifold_says_which_mesh_is_open(tmp_path):
     (tmp_path / "c.toml").write_text(scene + row("manifold", [NODE, WEB / "manifold.mjs"]))
     run = pipeline("run", tmp_path / "c.toml", "-o", tmp_path / "c.h5", "--quiet")
     assert run.returncode == FAILED
-    assert re.search("cannot take these bodies: mesh 'a': .*manifold", attributes(tmp_path / "c.h5", "manifold")["reason"],
-                     re.IGNORECASE)
+    reason = attributes(tmp_path / "c.h5", "manifold")["reason"]
+    assert re.search("cannot take these bodies: mesh 'a': .*manifold", reason, re.IGNORECASE)

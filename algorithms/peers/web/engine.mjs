@@ -41,7 +41,8 @@ function held() {
  *   place(body, pose, at)  moves a body: pose[at], ... are px py pz qw qx qy qz
  *   prepare(there)         after the bodies were placed, there[body] is 1 for those that are born; may be left out
  *   meets(a, b)            of a pair; with about.near it is asked only of pairs whose boxes and balls touch
- *   report(hit)            instead: calls hit(a, b) for every pair that meets, whichever first, as often as it likes
+ *   report(hit)            instead: calls hit(a, b) for every pair that meets, whichever first; as often as it likes, but
+ *                          for `once`
  *   about                  what its hello says otherwise for these knobs
  *   remember(), forget()   as of the adapter; of those that have a memory between steps that can be put back
  */
@@ -136,7 +137,7 @@ function method_of({bodies}, made, near) {
       for (let i = begin[a]; i >= 0 && runs[i] === a; i += 3)
         if (b >= runs[i + 1] && b < runs[i + 2]) {
           const {size} = seen;
-          if (seen.add(a * count + b).size > size) hits.push([a, b]);
+          if (made.once || seen.add(a * count + b).size > size) hits.push([a, b]);
         }
     });
     return hits;
