@@ -5,6 +5,8 @@
 #include "algorithms/aabb.hpp"
 #include "algorithms/beyond/all_triangles.hpp"
 #include "algorithms/beyond/convex_hull.hpp"
+#include "algorithms/beyond/facet_gjk.hpp"
+#include "algorithms/beyond/facet_surface.hpp"
 #include "algorithms/beyond/octree.hpp"
 #include "algorithms/cannon_naive.hpp"
 #include "algorithms/cannon_sap.hpp"
@@ -44,6 +46,8 @@ std::vector<Algorithm> table() {
       convex_hull(),      //
       octree(),           //
       all_triangles(),    //
+      facet_surface(),    //
+      facet_gjk(),        //
       fcl_bvh(),          //
   };
 }
