@@ -4,15 +4,18 @@
 
 #include "algorithms/aabb.hpp"
 #include "algorithms/beyond/all_triangles.hpp"
+#include "algorithms/beyond/capsule.hpp"
 #include "algorithms/beyond/convex_hull.hpp"
 #include "algorithms/beyond/facet_gjk.hpp"
 #include "algorithms/beyond/facet_surface.hpp"
 #include "algorithms/beyond/octree.hpp"
+#include "algorithms/beyond/spheres.hpp"
 #include "algorithms/cannon_naive.hpp"
 #include "algorithms/cannon_sap.hpp"
 #include "algorithms/exact.hpp"
 #include "algorithms/exact_cold.hpp"
 #include "algorithms/peers/fcl_bvh.hpp"
+#include "algorithms/peers/plugins.hpp"
 #include "algorithms/thesis/bounding_sphere.hpp"
 #include "algorithms/thesis/facet_distance.hpp"
 #include "algorithms/thesis/facet_rotations.hpp"
@@ -28,7 +31,7 @@ namespace {
 
 /// Every row, missing ones too.
 std::vector<Algorithm> table() {
-  return {
+  std::vector<Algorithm> out = {
       obb_sat(),          //
       bounding_sphere(),  //
       rotated_aabb(),     //
@@ -44,12 +47,16 @@ std::vector<Algorithm> table() {
       exact(),            //
       exact_cold(),       //
       convex_hull(),      //
+      spheres(),          //
+      capsule(),          //
       octree(),           //
       all_triangles(),    //
       facet_surface(),    //
       facet_gjk(),        //
       fcl_bvh(),          //
   };
+  std::ranges::move(plugin_peers(), std::back_inserter(out));
+  return out;
 }
 
 /// The rows of which this build has the library, or those of which it has not. Any pairwise row that it has may answer
@@ -99,6 +106,6 @@ const Algorithm* find(std::string_view name) {
   return own ? own : named(added(), name);
 }
 
-const Algorithm* find_missing(std::string_view name) { return named(missing(), name); }
+const Algorithm* find_missing(std::string_view name) { return named(added(), name) ? nullptr : named(missing(), name); }
 
 }  // namespace algorithms

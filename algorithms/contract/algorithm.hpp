@@ -111,6 +111,9 @@ struct Library {
   std::string package = {};  // Debian's, to build with it
   std::string version = {};  // that this build has; empty: it is without
   std::string sha256 = {};   // of a shared library of others, whose code belongs into a child process; empty: ours
+  bool plugin = false;       // it answers from a plug-in of this project, which lies beside the program
+  std::string tests = {};    // what it takes bodies for: "convex hulls", ...; empty: not said
+  std::string licence = {}, language = {};
 };
 
 /// One row of the table of algorithms.
@@ -136,7 +139,8 @@ Memory memory(const Algorithm& row, const Bodies& bodies, const Knobs& knobs);
 /// Every algorithm that this build can ask, in the thesis's order; those of other sources follow.
 const std::vector<Algorithm>& all();
 
-/// Those whose library this build is without: known by name, without `make`.
+/// Those whose library this build is without, or has as a plug-in that nobody asked for yet: known by name, without
+/// `make`.
 const std::vector<Algorithm>& missing();
 
 /// Rows of shared libraries of others that were added, in order. None is ever moved.
@@ -145,7 +149,7 @@ const std::deque<Algorithm>& added();
 /// Adds a row whose name no other has.
 void add(Algorithm row);
 
-/// The row of that name, or nullptr; of all() and added(), and of missing().
+/// The row of that name, or nullptr; of all() and added(), and of missing() as long as it is not added.
 const Algorithm* find(std::string_view name);
 const Algorithm* find_missing(std::string_view name);
 

@@ -13,10 +13,11 @@ using geometry::dot;
 using geometry::Mat3;
 using geometry::Vec3;
 
-/// The box in the world: middle, half sizes along the columns of `axes`.
+/// The box in the world: middle, half sizes along its axes; row[k][i] is coordinate k of axis i, so that the products
+/// of one axis with all three of another box are computed side by side.
 struct OrientedBox {
   Vec3 middle, half;
-  Mat3 axes;
+  double row[3][3];
 };
 
 /// Stage 3, in a's frame: c(i, j) = a's axis i on b's axis j, d = the middles' distance. An axis and everything
@@ -27,8 +28,9 @@ bool axes_overlap(const OrientedBox& a, const OrientedBox& b, Count& count) {
   const Vec3 between = b.middle - a.middle;
   double c[3][3], d[3];
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) c[i][j] = dot(a.axes.col(i), b.axes.col(j));
-    d[i] = dot(a.axes.col(i), between);
+    const Vec3 axis(a.row[0][i], a.row[1][i], a.row[2][i]);
+    for (int j = 0; j < 3; ++j) c[i][j] = dot(axis, {b.row[0][j], b.row[1][j], b.row[2][j]});
+    d[i] = dot(axis, between);
   }
   const Vec3 &ha = a.half, &hb = b.half;
   for (int i = 0; i < 3; ++i) {
@@ -39,7 +41,7 @@ bool axes_overlap(const OrientedBox& a, const OrientedBox& b, Count& count) {
   for (int j = 0; j < 3; ++j) {
     count += 1;
     const double reach = hb[j] + (std::fabs(c[0][j]) * ha[0] + std::fabs(c[1][j]) * ha[1] + std::fabs(c[2][j]) * ha[2]);
-    if (std::fabs(dot(b.axes.col(j), between)) > reach) return false;
+    if (std::fabs(dot({b.row[0][j], b.row[1][j], b.row[2][j]}, between)) > reach) return false;
   }
   for (int i = 0; i < 3; ++i) {
     const int k = (i + 1) % 3, l = (i + 2) % 3;
@@ -76,7 +78,10 @@ struct ObbSat {
       const Pose& pose = poses[body];
       const Mat3 r = geometry::rotation(pose.q);
       OrientedBox& box = boxes[body];
-      box = {geometry::to_world(r, pose.t, local_middle[body]), half[body], r};
+      box.middle = geometry::to_world(r, pose.t, local_middle[body]);
+      box.half = half[body];
+      for (int k = 0; k < 3; ++k)
+        for (int i = 0; i < 3; ++i) box.row[k][i] = r(k, i);
       if (enlarge > 0) {
         const Vec3 corner = local_middle[body].cwiseAbs() + half[body];
         box.half += Vec3::Constant(enlarge * (corner.norm() + pose.t.norm()));

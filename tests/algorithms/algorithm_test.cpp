@@ -60,8 +60,8 @@ TEST(Table, PromisesAreThoseOfTheDesign) {
     if (algorithm.promise == Promise::exact) exact.insert(algorithm.name);
   }
   EXPECT_EQ(exact, (std::set<std::string>{"exact", "exact_cold"}));
-  EXPECT_EQ(conservative,
-            (std::set<std::string>{"obb_sat", "bounding_sphere", "aabb", "cannon_naive", "cannon_sap", "convex_hull"}));
+  EXPECT_EQ(conservative, (std::set<std::string>{"obb_sat", "bounding_sphere", "aabb", "cannon_naive", "convex_hull",
+                                                 "octree", "spheres", "capsule"}));
 }
 
 TEST(Table, MethodsWithABroadPhaseSaySo) {
