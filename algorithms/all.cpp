@@ -3,6 +3,8 @@
 
 #include "algorithms/aabb.hpp"
 #include "algorithms/beyond/capsule.hpp"
+#include "algorithms/beyond/hulls.hpp"
+#include "algorithms/beyond/proxy.hpp"
 #include "algorithms/beyond/spheres.hpp"
 #include "algorithms/cannon_naive.hpp"
 #include "algorithms/cannon_sap.hpp"
@@ -41,6 +43,8 @@ std::vector<Algorithm> table() {
       exact_cold(),       //
       spheres(),          //
       capsule(),          //
+      hulls(),            //
+      proxy(),            //
       fcl_bvh(),          //
   };
 }

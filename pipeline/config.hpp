@@ -50,7 +50,9 @@ Config recorded_config(const std::string& effective, const std::string& file);
 /// follows when it is not given. Throws Error(kInput) naming the argument.
 AlgorithmChoice parse_algorithm(const std::string& argument, Containment containment = Containment::ignore);
 
-/// Finds the files of programs and takes their SHA-256. Throws Error(kInput) for a command without a program.
-void find_files(std::vector<AlgorithmChoice>& choices);
+/// Finds the files of programs and takes their SHA-256; reads those that stand for meshes, unless they are bound
+/// already. `closed_within` as in Bodies. What should be said of the files is returned, a line each. Throws
+/// Error(kInput) for a command without a program, and for a file that is no closed surface.
+std::vector<std::string> find_files(std::vector<AlgorithmChoice>& choices, double closed_within);
 
 }  // namespace pipeline

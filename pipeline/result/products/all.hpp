@@ -10,5 +10,6 @@ Product gaps_product();
 Product noise_product();
 Product passes_product();
 Product extremes_product();
+Product proxies_product();
 
 }  // namespace pipeline
