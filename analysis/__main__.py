@@ -14,7 +14,8 @@ from analysis.viewer import viewer
 from analysis.intact import Unvouched
 from analysis.load import SWEEP, load, load_sweep
 from analysis.output import open_standard_descriptors, refuse, say, visible, write
-from analysis.tables.statements import shown, verdicts
+from analysis.tables.clauses import shown
+from analysis.tables.statements import verdicts
 
 KINDS = ("box", "falling", "playground")
 
@@ -125,14 +126,22 @@ def opened(paths, unsealed=False):
 
 
 def table(found):
-    """Number, verdict, figures and statement, one line each."""
-    rows = [("no.", "verdict", "figures", "statement")]
+    """Number, verdict and statement, a line each; below it a line a clause, what failed marked; and the cause."""
+    lines = []
     for verdict in found:
         word, _, why = verdict.verdict.partition(": ")  # why: only of what is not testable
-        figures = "; ".join(f"{name} {shown(value)}" for name, value in verdict.figures.items())
-        rows.append((f"{verdict.number} {verdict.variant}".strip(), word, figures or why, verdict.text))
-    widths = [max(len(row[column]) for row in rows) for column in range(3)]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths + [0])).rstrip() for row in rows)
+        near = " (near miss)" if verdict.near else ""
+        head = f"{verdict.number} {verdict.variant}".strip()
+        lines.append(f"{head}  {word}{near}: {verdict.text} [thesis {verdict.section}]")
+        if why:
+            lines.append(f"    {why}")
+        for each in verdict.clauses:
+            needed = f", needed {each.needed}" if each.needed else ""
+            fails = "" if each.holds is not False else "  <- near miss" if each.near else "  <- fails"
+            lines.append(f"    {each.what}: {shown(each.measured)}{needed}{fails}")
+        if verdict.cause:
+            lines.append(f"    why: {verdict.cause}")
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@
     bodies, motion          one row per body; poses as arrays
     proxies, proxy(label, mesh)     what methods test in place of meshes, and how far these stick out of it
     study                   one row per case of a study of integrators
+    timed_on, unlike        which machine timed what, of a run that several shared
 
 load_sweep(folder) gives all points of a sweep (scripts/sweep) as one table, a row per point and label.
 
@@ -113,6 +114,34 @@ class Run:
                 return None
             known = file["noise"].attrs
             return Interval(*(float(known[name]) for name in ("ratio", "ratio_low", "ratio_high")))
+
+    @cached_property
+    def timed_on(self):
+        """One row per chunk of steps and algorithm: step (the chunk's first), algorithm (categorical), host, processor;
+        None when the run was one machine's. Who decided the truth of a chunk: host and processor of truth_host,
+        truth_processor."""
+        with self.opened() as file:
+            if "machines" not in file:
+                return None
+            group, labels = file["machines"], self.meta["algorithms"]
+            hosts, processors = group["host"].asstr()[()], group["processor"].asstr()[()]
+            first, truth = group["chunk"][()], np.repeat(group["truth"][()].astype(np.int64), len(labels))
+            answers = self._values(group["answers"]).astype(np.int64).ravel() if labels else truth
+        return pd.DataFrame({
+            "step": np.repeat(first, len(labels)),
+            "algorithm": pd.Categorical.from_codes(np.tile(np.arange(len(labels)), len(first)), labels),
+            "host": hosts[answers], "processor": processors[answers],
+            "truth_host": hosts[truth], "truth_processor": processors[truth],
+        })  # fmt: skip
+
+    @cached_property
+    def unlike(self):
+        """label -> the processors that it was timed on, of labels that were timed on several unlike ones: their times
+        per step are no times of one machine, and their summary has none."""
+        if self.timed_on is None:
+            return {}
+        found = self.timed_on.groupby("algorithm", observed=True)["processor"].unique()
+        return {label: list(processors) for label, processors in found.items() if len(processors) > 1}
 
     @cached_property
     def step_times(self):
@@ -223,10 +252,10 @@ class Run:
         """One row per body, indexed by its name.
 
         Columns: mesh (name), fixed (bool), first_step; kind ("box", "sphere", ...; "file" for a mesh read from one);
-        size (3, m): the greatest less the least local vertex.
+        size (3, m): the greatest less the least local vertex; facets: triangles of the mesh.
         """
         with self.opened() as file:
-            shapes = {name: (_kind(mesh.attrs["shape"]), np.ptp(mesh["vertices"][()], axis=0))
+            shapes = {name: (_kind(mesh.attrs["shape"]), np.ptp(mesh["vertices"][()], axis=0), len(mesh["triangles"]))
                       for name, mesh in file["meshes"].items()}
             mesh = list(file["bodies/mesh"].asstr()[()])
             table = {
@@ -235,6 +264,7 @@ class Run:
                 "first_step": file["bodies/first_step"][()],
                 "kind": [shapes[name][0] for name in mesh],
                 "size": [shapes[name][1] for name in mesh],
+                "facets": [shapes[name][2] for name in mesh],
             }
         return pd.DataFrame(table, index=pd.Index(self.meta["bodies"], name="body"))
 

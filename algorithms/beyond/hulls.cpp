@@ -102,11 +102,8 @@ std::vector<Proxy> proxies(const Bodies& bodies, const Knobs& knobs) {
   std::vector<Proxy> out;
   for (const geometry::Mesh& mesh : bodies.meshes) {
     Proxy& proxy = out.emplace_back(Proxy{.kind = Proxy::Kind::solids, .balls = {}, .solids = {}});
-    for (geometry::Convex& piece : pieces_of(mesh, bodies, knobs)) {
-      geometry::Mesh& solid = proxy.solids.emplace_back(std::move(piece.surface));
-      const auto last = std::uint32_t(solid.vertices.size() - 1);
-      if (solid.triangles.empty()) solid.triangles = {{0, last, last}};  // a segment or a point, as a facet
-    }
+    for (geometry::Convex& piece : pieces_of(mesh, bodies, knobs))
+      proxy.solids.push_back(geometry::surface_with_facets(std::move(piece)));
   }
   return out;
 }

@@ -9,18 +9,11 @@
 // component
 //         inside another of one file is no cavity: the solids of a file are taken together.
 #pragma once
-#include <map>
-#include <string>
-
-#include "algorithms/contract/algorithm.hpp"
+#include "algorithms/contract/proxy_files.hpp"
 
 namespace algorithms {
 
 /// The row without files: every mesh is its own proxy, component by component; of an open one only the surface counts.
 Algorithm proxy();
-
-/// The row with the closed components of each mesh, by its name. Its `make` throws std::invalid_argument for a mesh
-/// that has none, and for a name that no mesh has.
-Algorithm proxy_of(std::map<std::string, std::vector<geometry::Mesh>> solids);
 
 }  // namespace algorithms

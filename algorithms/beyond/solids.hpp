@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "algorithms/contract/algorithm.hpp"
+#include "algorithms/contract/proxy_files.hpp"
 
 namespace algorithms {
 
@@ -15,13 +15,6 @@ namespace algorithms {
 std::unique_ptr<Method> make_solids(const Bodies& bodies, const std::vector<std::vector<geometry::Mesh>>& solids);
 
 Memory solids_memory(const Bodies& bodies, const std::vector<std::vector<geometry::Mesh>>& solids);
-
-/// The connected closed surfaces of a mesh: by the numbers of its vertices or, where some is open then, by their
-/// coordinates. Throws std::invalid_argument that names an open edge.
-std::vector<geometry::Mesh> closed_components(const geometry::Mesh& mesh, double closed_within);
-
-/// The facets with those vertices alone that they have, in their order.
-geometry::Mesh without_unused(const geometry::Mesh& mesh);
 
 /// The mesh's connected surfaces by the numbers of its vertices; open or not.
 std::vector<geometry::Mesh> components(const geometry::Mesh& mesh);

@@ -77,6 +77,8 @@ def steps_of(run):
         name: table[name].to_numpy(dtype=float).reshape(-1, len(labels))[:steps]
         for name in ("time_ns", "hits", "true_positive", "false_negative")
     }
+    for label in run.unlike:  # as if it had not been timed
+        column["time_ns"][:, labels.index(label)] = 0
     first = run.bodies.first_step.to_numpy()
     there = (first >= 0) & (first <= np.arange(steps)[:, None])
     truth = column["true_positive"][:, 0] + column["false_negative"][:, 0]

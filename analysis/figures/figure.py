@@ -124,11 +124,24 @@ class Points:
 
 
 @dataclass(frozen=True)
+class Verdicts:
+    """Statements and what the data say of them. found: list of statements.Verdict; caption: whose data they are."""
+
+    title: str
+    found: list
+    caption: str
+
+
+@dataclass(frozen=True)
 class Section:
-    """parts: Figure, Table, Text, Points, or str (one paragraph of plain text)."""
+    """parts: Figure, Table, Text, Points, Verdicts, or str (one paragraph of plain text).
+
+    scene: what the section is of, "" for all; the page shows the sections of one scene at a time.
+    """
 
     title: str
     parts: list
+    scene: str = ""
 
 
 def style(name):

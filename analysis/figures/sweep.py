@@ -353,7 +353,11 @@ def holding(table):
         )
         parts.append(Table("At some points", frame, "What of this kind holds at other points is the rest of them."))
     if rows.label.nunique() > 1:
-        for column, words in (("error", "Who errs less than whom"), ("time_mean_ns", "Who is quicker than whom")):
+        paired = "whose times over the same steps tell no difference"
+        for column, words, even in (
+            ("error", "Who errs less than whom", "equals"),
+            ("time_mean_ns", "Who is quicker than whom", f"equals, and labels {paired},"),
+        ):
             below, both = sweeps.order(rows, column)
             frame = below.astype(str)
             for label in frame.index:
@@ -364,7 +368,7 @@ def holding(table):
                 Table(
                     words,
                     frame,
-                    f"At how many of {int(both.to_numpy().max())} points the row's label is below the column's; equals"
+                    f"At how many of {int(both.to_numpy().max())} points the row's label is below the column's; {even}"
                     " count for neither.",
                 )
             )

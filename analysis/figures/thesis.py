@@ -11,7 +11,7 @@ from analysis.figures import engine as engine_figures, playground as playground_
 from analysis.tables import pareto, scenes
 from analysis.figures.drawing import NotDrawn, guarded, key, simulated
 from analysis.figures.figure import Figure, Section
-from analysis.figures.thesis_tables import means_figure, statements_table
+from analysis.figures.thesis_tables import in_javascript, languages_figure, means_figure, statements_part
 
 NAMES = {
     "box": ("thesis section 5.1 (Kostka)", "figures 5.1 to 5.13, table 5.1"),
@@ -54,6 +54,8 @@ def section_of(run, kind, number, notes):
         figures = playground_map.FIGURES
     else:
         figures = [*STEPS, *(THESIS if kind in NAMES else [])]
+    if in_javascript(run):
+        figures = [*figures, ("C++ beside JavaScript", languages_figure)]
     parts = list(notes)
     for name, make in figures:
         parts.append(guarded(name, make, run, kind, f"thesis-{number}-{slug}-{make.__name__.replace('_', '-')}"))
@@ -79,7 +81,7 @@ def statements_section(runs, notes):
     for kind, (_, what) in NAMES.items():
         if kind not in {kind_of(run) for run in runs}:
             parts.append(f"No file of a {kind} scene was given: {what} are not drawn and statements on it not judged.")
-    table = guarded("The statements", statements_table, found, [f"{kind}: {name}." for kind, name in used.items()])
+    table = guarded("The statements", statements_part, found, [f"{kind}: {name}." for kind, name in used.items()])
     return Section("What the thesis said", [table, *parts])
 
 

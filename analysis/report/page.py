@@ -7,8 +7,10 @@ import re
 import numpy as np
 import pandas as pd
 
-from analysis.figures.figure import Figure, Points, Table, Text, slug
+from analysis.figures.figure import Figure, Points, Table, Text, Verdicts, slug
+from analysis.figures.thesis_tables import spelled
 from analysis.output import templates
+from analysis.tables.clauses import shown as value
 from analysis.words import counted
 
 HERE = pathlib.Path(__file__).parent
@@ -25,11 +27,12 @@ def page(title, lead, warnings, sections):
 
     lead, warnings: lists of plain texts; sections: Section, in their order.
     """
+    anchors = {part.key: part.title for section in sections for part in section.parts if isinstance(part, Figure)}
     bodies, used = [], {}
     for section in sections:
         key = slug(section.title)
         used[key] = used.get(key, 0) + 1
-        bodies.append((key if used[key] == 1 else f"{key}-{used[key]}", section.title, map(_part, section.parts)))
+        bodies.append((key if used[key] == 1 else f"{key}-{used[key]}", section.title, [_part(part, anchors) for part in section.parts]))
     return templates(HERE).get_template("page.html").render(
         title=title, lead=lead, warnings=warnings, sections=bodies, css=_beside("page.css"), script=_beside("page.js")
     )
@@ -39,7 +42,7 @@ def _beside(name):
     return (HERE / name).read_text(encoding="utf-8")
 
 
-def _part(part):
+def _part(part, anchors):
     """A part as what its macro in page.html takes: its name and the arguments."""
     if isinstance(part, Figure):
         kind = "picture dense" if dense(part.svg) else "picture"
@@ -50,9 +53,24 @@ def _part(part):
         return "points", (part.title, part.items)
     if isinstance(part, Table):
         return "titled", (part.title, table(part.frame, part.title), part.caption)
+    if isinstance(part, Verdicts):
+        return "verdicts", (part.title, [_verdict(each, anchors) for each in part.found], part.caption)
     if isinstance(part, Text):
         return "text", (part.title, part.text)
     return "paragraph", (part,)
+
+
+def _verdict(verdict, anchors):
+    """A verdict as its macro takes it: links lead to figures that the page has."""
+    word, _, why = verdict.verdict.partition(": ")
+    return {
+        "key": f"statement-{verdict.number}{'-careful' if verdict.variant else ''}",
+        "number": f"{verdict.number}{' careful' if verdict.variant else ''}",
+        "word": word, "near": verdict.near, "why": why, "text": spelled(verdict.text), "czech": verdict.czech,
+        "section": verdict.section, "cause": verdict.cause,
+        "clauses": [(each.what, value(each.measured), each.needed, each.holds, each.near) for each in verdict.clauses],
+        "see": [(key, key.replace("-", " ", 1).replace("-", ".")) for key in verdict.see if key in anchors],
+    }
 
 
 def dense(svg):

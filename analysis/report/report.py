@@ -5,11 +5,12 @@ import json
 import pandas as pd
 
 from analysis.figures import error as plots_error
+from analysis.figures import engines as engines_figures
 from analysis.figures import extremes as extremes_figures
 from analysis.figures import study as study_figures
 from analysis.figures import sweep as sweep_figures
 from analysis.figures import thesis as thesis_figures
-from analysis.report import findings
+from analysis.report import choice, findings
 from analysis.tables import pareto
 from analysis.figures.figure import Section, Table, Text
 from analysis.report.page import page
@@ -132,7 +133,11 @@ def sections(runs, found):
     scenes = [run for run in runs if not is_study(run)]
     usual = [run for run in scenes if not is_extremes(run)]
     studied = [*study_figures.sections(studies, runs), *extremes_figures.sections(scenes)]
-    answered = [error_against_cost(scenes, found), summary(scenes, found), definitions()] if scenes else []
+    which = [part for part in [choice.section(found)] if part]
+    answered = []
+    if scenes:
+        others = engines_figures.sections(scenes)
+        answered = [*which, error_against_cost(scenes, found), *others, summary(scenes, found), definitions()]
     if not studied:
         return [*answered, provenance(runs), *told, *study_figures.sections(usual), *thesis_figures.sections(usual)]
     if not usual:
@@ -239,6 +244,11 @@ def warnings(runs, found):
 def doubtful_times(run):
     """What makes mean times of a run doubtful; one line each."""
     table, lines = run.summary, []
+    if run.unlike:
+        processors = dict.fromkeys(name for names in run.unlike.values() for name in names)
+        who = listed(run.unlike) if len(run.unlike) < len(run.meta["algorithms"]) else "all algorithms"
+        lines.append(f"timed on unlike processors ({'; '.join(processors)}): {who}. Such times are drawn nowhere; `pipeline"
+                     " show` has them by processor, and “pipeline detect FILE --force” times anew on one.")
     if {"time_mean_ns", "time_p95_ns"} <= set(table):
         few = list(table.index[table.time_mean_ns > table.time_p95_ns])
         if few:

@@ -90,7 +90,7 @@ def _points(runs):
                     "library": bool(answers.get("library")),
                     "machine": machine(answers),
                     "asked": asked(answers),
-                    "times": run.step_times.get(label, np.zeros(0)),
+                    "times": np.zeros(0) if label in run.unlike else run.step_times.get(label, np.zeros(0)),
                     "floor": run.noise,
                 }
                 | row.to_dict()

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from analysis.tables import intervals
+from analysis.tables import causes, intervals
 from analysis.tables.thresholds import MIDDLE_M, PARALLEL, THIN
 
 TURN_EPSILON = 1e-6  # of matrices and quaternions; the turns of a playground are tens of degrees
@@ -23,7 +23,8 @@ class Playground:
         "other") and axes (0, 1 or 2: turned about several of x, y, z);
     samples: per step target (the nearest), truth, contained (bool; contained None when not recorded), middle (the
         hero's centre near the target's) and through (it sticks in a slab's middle, its long axis across the slab);
-    reports: per step and label, whether that target is reported; false_negative: per label.
+    reports: per step and label, whether that target is reported; false_negative: per label; summary: as in Run;
+    evidence: what causes are proved from.
     """
 
     passes: pd.DataFrame
@@ -31,16 +32,24 @@ class Playground:
     samples: pd.DataFrame
     reports: pd.DataFrame
     false_negative: pd.Series
+    summary: pd.DataFrame | None = None
+    evidence: causes.Evidence | None = None
 
     @property
     def labels(self):
         return list(self.reports.columns)
 
+    @property
+    def error(self):
+        """Per label; None when it is not known."""
+        return self.summary.error if self.summary is not None and "error" in self.summary else None
+
 
 @dataclass(frozen=True)
 class Timed:
     """A run with dynamics. summary, per_step: as in Run; bodies: per step, how many are there; host: where it was
-    timed; twins: as of twins(); times: label -> time per step; noise: as in Run."""
+    timed; twins: as of twins(); times: label -> time per step; noise: as in Run;
+    evidence: what causes are proved from."""
 
     summary: pd.DataFrame
     per_step: pd.DataFrame
@@ -49,10 +58,16 @@ class Timed:
     twins: dict = field(default_factory=dict)
     times: dict = field(default_factory=dict)
     noise: intervals.Interval | None = None
+    evidence: causes.Evidence | None = None
 
     @property
     def labels(self):
         return list(self.summary.index)
+
+    @property
+    def error(self):
+        """Per label; None when it is not known."""
+        return self.summary.error if "error" in self.summary else None
 
     def ratio(self, one, other):
         """The mean time of a label over another's, with its interval where times per step are known."""
@@ -77,8 +92,10 @@ def timed(run):
     first = run.bodies.first_step.to_numpy()
     there = (first[None, :] >= 0) & (first[None, :] <= np.arange(run.meta["steps"])[:, None])
     hosts = {(answers["host"], answers["processor"]) for answers in run.meta["answers"].values()}
-    host = " ".join(hosts.pop()) if len(hosts) == 1 else ""  # "" when algorithms were timed on different machines
-    return Timed(run.summary, run.per_step, there.sum(axis=1), host, twins(run), run.step_times, run.noise)
+    alike = len(hosts) == 1 and not run.unlike
+    host = " ".join(hosts.pop()) if alike else ""  # "" when algorithms were timed on different machines
+    times = {label: times for label, times in run.step_times.items() if label not in run.unlike}
+    return Timed(run.summary, run.per_step, there.sum(axis=1), host, twins(run), times, run.noise, causes.of(run))
 
 
 def twins(run):
@@ -140,7 +157,7 @@ def playground(run):
         }
     )
     reports = pd.DataFrame({label: has(run.pairs(label)) for label in run.meta["algorithms"]})
-    return Playground(run.passes, targets, samples, reports, run.summary.false_negative)
+    return Playground(run.passes, targets, samples, reports, run.summary.false_negative, run.summary, causes.of(run))
 
 
 def _shape(body, quaternion):

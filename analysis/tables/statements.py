@@ -1,7 +1,7 @@
-"""The thesis's statements (1) to (29), each judged on results: confirmed, refuted, or not testable and why.
+"""The thesis's statements, each judged on results: confirmed, refuted, or not testable and why.
 
-Every judge takes the scenes and the labels that its statement names, and returns whether the statement holds and its
-figures. What its words mean is in thresholds.py; nothing else decides. A statement is judged on the algorithms as
+Every judge takes the scenes and the labels that its statement names, and returns its clauses: each a number beside what
+is needed of it; the statement holds when all do. What its words mean is in thresholds.py; nothing else decides. A statement is judged on the algorithms as
 published, under their own names; where a file has their careful form (label `<name>_careful`), that is judged too.
 """
 
@@ -10,40 +10,44 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.tables import intervals, thresholds as t
+from analysis.tables import causes, conclusions, intervals, thresholds as t
+from analysis.tables.clauses import KEYS, NotTestable, clause, hold, told, yes
+from analysis.tables.sentences import SENTENCES
+from analysis.words import listed
 
-KEYS = {
-    "G": "obb_sat",
-    "H": "bounding_sphere",
-    "J": "rotated_aabb",
-    "K": "facet_distance",
-    "L": "obb_corners",
-    "P": "facet_vectors",
-    "O": "obb_triangles",
-    "I": "facet_triangles",
-    "U": "facet_rotations",
-}
 CAREFUL = "_careful"
-
-
-class NotTestable(Exception):
-    """The data cannot decide a statement; the text says what is missing."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the data say: verdict ("confirmed", "refuted" or "not testable: why") and figures (name -> number)."""
+    """What the data say.
+
+    variant: "" as published, "careful" for the careful form of the facet algorithms; verdict: "confirmed", "refuted" or
+    "not testable: why"; clauses: what was measured and needed; text: the statement; cause: sentences that the data
+    prove, "" for none; section, czech: where the thesis says it, and its words; see: anchors of the figures that show
+    it.
+    """
 
     number: int
-    variant: str  # "" as published, "careful" for the careful form of the facet algorithms
+    variant: str
     verdict: str
-    figures: dict
+    clauses: list
     text: str
+    cause: str = ""
+    section: str = ""
+    czech: str = ""
+    see: tuple = ()
+
+    @property
+    def near(self):
+        """Refuted, and every clause that fails is a near miss."""
+        failed = [each for each in self.clauses if each.holds is False]
+        return bool(failed) and all(each.near for each in failed)
 
 
 @dataclass(frozen=True)
 class Statement:
-    """judge(*scenes, *labels) -> (holds, figures), for the kinds of `scenes` and the labels of the `keys`, in order.
+    """judge(*scenes, *labels) -> clauses, for the kinds of `scenes` and the labels of the `keys`, in order.
 
     times: it compares times of its algorithms, so each must be of the thesis's own procedure.
     """
@@ -97,10 +101,15 @@ def mean_order(order):
     def judge(scene, *labels):
         mean = scene.summary.time_mean_ns[list(labels)].to_numpy()
         found = [order[i] for i in np.argsort(mean, kind="stable")]
-        figures = {"found": " < ".join(found), "misplaced": sum(a != b for a, b in zip(found, order))}
-        pairs = list(zip(labels, labels[1:]))
-        ratios = [(f"{below} and {slower}", scene.ratio(slower, below), scene.noise) for below, slower in pairs]
-        return ordered(ratios, "as fast as each other"), figures
+        pairs = [(f"{b} / {a}", slower, below) for a, b, below, slower in zip(order, order[1:], labels, labels[1:])]
+        ratios = [(name, scene.ratio(slower, below), scene.noise) for name, slower, below in pairs]
+        ordered([(name.replace(" / ", " and "), *rest) for name, *rest in ratios], "as fast as each other")
+        failed = [clause(name, ratio.value, ">", 1.0) for name, ratio, _ in ratios if not ratio.value > 1]
+        return [
+            yes("order", not failed, " < ".join(found), " < ".join(order)),
+            *failed,
+            told("misplaced", sum(a != b for a, b in zip(found, order))),
+        ]
 
     return judge
 
@@ -108,33 +117,45 @@ def mean_order(order):
 def groups(box, falling, *labels):
     """Every mean of {G,H,J} below every one of {O,L}, those below {P,I,U}, those below K; in both scenes."""
     sizes = np.cumsum([0, 3, 2, 3, 1])
-    ratios, figures = [], {}
+    letters = {label: key for key, label in KEYS.items()} | dict(zip(labels, "GHJOLPIUK"))
+    ratios, found = [], []
     for name, scene in (("box", box), ("falling", falling)):
         mean = scene.summary.time_mean_ns[list(labels)]
         parts = [mean[a:b] for a, b in zip(sizes, sizes[1:])]
-        for i, (below, slower) in enumerate(zip(parts, parts[1:])):
+        for below, slower in zip(parts, parts[1:]):
             ends = slower.idxmin(), below.idxmax()
             ratios.append((f"{ends[1]} and {ends[0]}", scene.ratio(*ends), scene.noise))
-            figures[f"{name} step {i + 1}"] = float(slower.min() / below.max())
-    return ordered(ratios, "as fast as each other"), figures
+            what = f"{name}: fastest of {{{','.join(letters[x] for x in slower.index)}}}, {letters[ends[0]]}, / slowest of "
+            what += f"{{{','.join(letters[x] for x in below.index)}}}, {letters[ends[1]]}"
+            found.append(clause(what, float(slower.min() / below.max()), ">", 1.0))
+    ordered(ratios, "as fast as each other")
+    return found
 
 
 def falling_above_box(box, falling, *labels):
     if not box.host or box.host != falling.host:
         raise NotTestable("the two scenes were timed on different machines")
     ratio = falling.summary.time_mean_ns[list(labels)] / box.summary.time_mean_ns[list(labels)]
-    figures = {"least ratio": float(ratio.min()), "greatest ratio": float(ratio.max())}
     ratios = [(f"{label} in both", intervals.apart(falling.mean(label), box.mean(label)), None) for label in labels]
-    return ordered(ratios, "as fast in one scene as in the other"), figures
+    ordered(ratios, "as fast in one scene as in the other")
+    under = [label for label in labels if not ratio[label] > 1]
+    return [
+        clause(f"least ratio, {ratio.idxmin()}", float(ratio.min()), ">", 1.0, where=listed(under) if under else ""),
+        told(f"greatest ratio, {ratio.idxmax()}", float(ratio.max())),
+    ]
 
 
 def slowest_by_far(box, falling, slowest, *others):
     """K by the next slowest: 9 to 10 in the falling scene, 5 in the box scene, each within ABOUT."""
-    ratios = []
+    ratios, found = [], []
     for name, scene, least, most in (("box", box, 5, 5), ("falling", falling, 9, 10)):
-        ratio = scene.ratio(slowest, scene.summary.time_mean_ns[list(others)].idxmax())
-        ratios.append((f"{name} ratio", ratio, least * (1 - t.ABOUT), most * (1 + t.ABOUT)))
-    return ranged(ratios), {name: ratio.value for name, ratio, _, _ in ratios}
+        next_ = scene.summary.time_mean_ns[list(others)].idxmax()
+        ratio = scene.ratio(slowest, next_)
+        limits = least * (1 - t.ABOUT), most * (1 + t.ABOUT)
+        ratios.append((f"{name} ratio", ratio, *limits))
+        found.append(clause(f"{name} ratio, to {next_}", ratio.value, "in", limits))
+    ranged(ratios)
+    return found
 
 
 def alike_in_time(box, falling, one, other):
@@ -143,48 +164,52 @@ def alike_in_time(box, falling, one, other):
         (f"{name} ratio", scene.ratio(one, other), 1 / (1 + t.WITHIN), 1 + t.WITHIN)
         for name, scene in (("box", box), ("falling", falling))
     ]
-    return ranged(ratios), {name: max(ratio.value, 1 / ratio.value) for name, ratio, _, _ in ratios}
+    ranged(ratios)
+    return [clause(name, max(ratio.value, 1 / ratio.value), "<=", 1 + t.WITHIN) for name, ratio, _, _ in ratios]
 
 
 def apart_from_hits(falling, *labels):
     """Pearson's correlation of time and hits over the steps is below FOLLOWS. In the box scene both follow the
     bodies."""
-    figures = {}
+    found = []
     for label in labels:
         rows = falling.per_step[falling.per_step.algorithm == label]
-        figures[f"r {label}"] = float(rows.time_ns.corr(rows.hits.astype(float)))
-    if np.isnan(list(figures.values())).any():
-        raise NotTestable("times or hits do not vary")
-    return max(figures.values()) < t.FOLLOWS, figures
+        r = float(rows.time_ns.corr(rows.hits.astype(float)))
+        if np.isnan(r):
+            raise NotTestable("times or hits do not vary")
+        found.append(clause(f"r {label}", r, "<", t.FOLLOWS))
+    return found
 
 
 def grows_with_square(box, *labels):
     """The exponent of time against number of bodies, fitted to the logarithms of the medians, is in SQUARE."""
-    figures = {}
+    found = []
     for label in labels:
         rows = box.per_step[box.per_step.algorithm == label]
         median = rows.time_ns.groupby(box.bodies[rows.step.to_numpy()]).median()
         median = median[median.index >= t.SQUARE_FROM]
         if len(median) < 3 or median.index.max() < 2 * median.index.min():
             raise NotTestable("the number of bodies does not double")
-        figures[f"exponent {label}"] = float(np.polyfit(np.log(median.index), np.log(median), 1)[0])
-    return all(t.SQUARE[0] <= exponent <= t.SQUARE[1] for exponent in figures.values()), figures
+        exponent = float(np.polyfit(np.log(median.index), np.log(median), 1)[0])
+        found.append(clause(f"exponent {label}", exponent, "in", t.SQUARE))
+    return found
 
 
 def reports_most(box, falling, most, *others):
     """More hits than any other, over all steps, in both scenes."""
-    figures = {}
+    found = []
     for name, scene in (("box", box), ("falling", falling)):
         hits = scene.summary.hits.astype(float)
-        figures |= {f"{name} hits {most}": hits[most], f"{name} hits next": hits[list(others)].max()}
-    return all(figures[f"{name} hits {most}"] > figures[f"{name} hits next"] for name in ("box", "falling")), figures
+        next_ = hits[list(others)].idxmax()
+        found.append(clause(f"{name}: hits of {most}", hits[most], ">", hits[next_], where=next_))
+    return found
 
 
 def reports_fewest(falling, fewest, *others):
     """Fewer hits than any other, over all steps."""
     hits = falling.summary.hits.astype(float)
-    figures = {f"hits {fewest}": hits[fewest], "hits next": hits[list(others)].min()}
-    return bool(figures[f"hits {fewest}"] < figures["hits next"]), figures
+    next_ = hits[list(others)].idxmin()
+    return [clause(f"hits of {fewest}", hits[fewest], "<", hits[next_], where=next_)]
 
 
 def curves_coincide(scene, one, other):
@@ -193,7 +218,10 @@ def curves_coincide(scene, one, other):
     if not np.sum(hits):
         raise NotTestable("neither reports anything")
     distance = float(np.abs(hits[0] - hits[1]).mean() / np.mean(hits))
-    return distance <= t.COINCIDE, {"distance": distance, f"hits {one}": hits[0].sum(), f"hits {other}": hits[1].sum()}
+    return [
+        clause("mean distance of the curves / mean height", distance, "<=", t.COINCIDE),
+        told(f"hits {one}", hits[0].sum()), told(f"hits {other}", hits[1].sum()),
+    ]
 
 
 # The playground. A pass touches when the exact contact exists. `first` is how far before it the first report comes,
@@ -243,42 +271,60 @@ def share(flags):
     return float(np.mean(np.asarray(flags, dtype=float)))
 
 
+def targets_of(touching, wrong):
+    """"slab_45 (2 of 3 passes), ring": at which targets passes are `wrong`, the most first, four at most."""
+    counts = touching.target[wrong].value_counts(sort=False).sort_values(ascending=False, kind="stable")
+    every = touching.target.value_counts()
+    named = [f"{name} ({count} of {every[name]} passes)" for name, count in counts.items()]
+    return ", ".join(named[:4]) + (f" and {len(named) - 4} more" if len(named) > 4 else "")
+
+
 def early_share(touching):
     """The share of touching passes whose first report is visibly early."""
     return share(touching["first"] > t.EXACT_M)
 
 
-def late_share(touching, limit=t.EXACT_M):
-    """The share of touching passes first reported later than `limit` after contact, or never."""
-    return share(~(touching["first"] >= -limit))
+def late(touching, limit=t.EXACT_M):
+    """Which touching passes are first reported later than `limit` after contact, or never."""
+    return ~(touching["first"] >= -limit)
 
 
-def early_figures(play, label, names=None, what=""):
+def early_clauses(play, label, names=None, what=""):
     """What "is early" means: at least NOTICED of the touching passes are visibly early, and more than are late or never
     reported."""
     _, touching = passes(play, label, names)
-    early, late = early_share(touching), late_share(touching)
-    return early >= t.NOTICED and early > late, {f"early{what}": early, f"late or blind{what}": late}
+    early, behind, one = early_share(touching), share(late(touching)), 1 / len(touching)
+    on_time = touching["first"].abs() <= t.EXACT_M
+    return [
+        clause(f"share of passes visibly early{what}", early, ">=", t.NOTICED, one,
+               f"on time at {targets_of(touching, on_time)}" if on_time.any() else ""),
+        clause(f"share late or blind{what}", behind, "<", early, one, targets_of(touching, late(touching))),
+    ]
 
 
 def never_late(play, label):
     """(13) No false negative, every touching pass reported from first to last contact, and each visibly before it."""
     _, touching = passes(play, label)
-    missed = int(play.false_negative[label])
     whole = (touching["first"] >= -t.BISECTION_M) & (touching["last"] <= t.BISECTION_M)
-    early = early_share(touching)
-    figures = {"missed samples": missed, "cut or blind passes": int((~whole).sum()), "early": early}
-    figures["least first m"] = float(touching["first"].min())
-    return missed == 0 and bool(whole.all()) and early == 1, figures
+    ahead = touching["first"] > t.EXACT_M
+    return [
+        clause("missed samples", int(play.false_negative[label]), "=", 0, 1),
+        clause("passes cut or blind", int((~whole).sum()), "=", 0, 1, targets_of(touching, ~whole)),
+        clause("share visibly early", share(ahead), "=", 1, 1 / len(touching), targets_of(touching, ~ahead)),
+        told("least first report, m early", float(touching["first"].min())),
+    ]
 
 
-def exact_figures(play, label, names):
+def exact_clauses(play, label, names, what=""):
     """Exact: every touching pass begins and ends within EXACT_M of the truth, and no other pass is ever reported."""
     mine, touching = passes(play, label, names)
-    worst = float(touching[["first", "last"]].abs().fillna(np.inf).to_numpy().max())
-    falsely = int((mine.reported[mine.truth_first.isna()] > 0).sum())
-    figures = {"touching": len(touching), "worst m": worst, "false positives": falsely}
-    return worst <= t.EXACT_M and falsely == 0, figures
+    off = touching[["first", "last"]].abs().fillna(np.inf).max(axis=1)
+    falsely = mine.truth_first.isna() & (mine.reported > 0)
+    return [
+        clause(f"most off, m{what}", float(off.max()), "<=", t.EXACT_M, where=targets_of(touching, off > t.EXACT_M)),
+        clause(f"passes falsely reported{what}", int(falsely.sum()), "=", 0, 1, targets_of(mine, falsely)),
+        told(f"passes that touch{what}", len(touching)),
+    ]
 
 
 def unturned_boxes(play):
@@ -287,90 +333,109 @@ def unturned_boxes(play):
 
 def exact_on_boxes(play, label):
     """(14)"""
-    return exact_figures(play, label, unturned_boxes(play))
+    return exact_clauses(play, label, unturned_boxes(play))
 
 
-def middle_share(play, label, names, what):
-    """The share of samples in the middle of the targets, touching nothing, at which the algorithm reports."""
+def middle_samples(play, label, names, what):
+    """Of samples in the middle of the targets, touching nothing: at which the algorithm reports."""
     flags = play.samples.middle & play.samples.target.isin(names) & neither(play)
-    return share(chosen_samples(play, label, flags, f"in {what}"))
+    return chosen_samples(play, label, flags, f"in {what}")
 
 
-def sees_figures(play, label, name, names):
+def filled(play, label, names, what):
+    """The clause: reports NEARLY_ALL samples in the middle."""
+    said = middle_samples(play, label, names, what)
+    return clause(f"share of samples in {what}'s middle reported", share(said), ">=", t.NEARLY_ALL, 1 / len(said))
+
+
+def sees_clauses(play, label, name, names):
     """Sees the empty middle: silent there (NEARLY_ALL), though it reports MOST passes that touch that target."""
-    middle = middle_share(play, label, names, f"the {name}")
+    said = middle_samples(play, label, names, f"the {name}")
     _, touching = passes(play, label, names)
-    reported = share(touching["first"].notna())
-    figures = {f"reports the {name}'s middle": middle, f"reports the touched {name}": reported}
-    return middle <= 1 - t.NEARLY_ALL and reported > t.MOST, figures
+    reported = touching["first"].notna()
+    limit = round(1 - t.NEARLY_ALL, 9)
+    return [
+        clause(f"share of samples in the {name}'s middle reported", share(said), "<=", limit, 1 / len(said)),
+        clause(f"share of passes that touch the {name} reported", share(reported), ">", t.MOST, 1 / len(touching),
+               targets_of(touching, ~reported)),
+    ]
 
 
 def sample_error(play, label, names):
-    """(FP + FN) / (TP + FP + FN) over the samples at the targets, those with the hero inside left out."""
+    """(FP + FN) / (TP + FP + FN) over the samples at the targets, those with the hero inside left out; and how many
+    they are."""
     chosen = (play.samples.target.isin(names) & ~contained(play)).to_numpy()
     truth, said = play.samples.truth.to_numpy()[chosen], play.reports[label].to_numpy()[chosen]
     if not (truth | said).any():
         raise NotTestable("the targets that it is about are neither touched nor reported")
-    return float((truth != said).sum() / (truth | said).sum())
+    return float((truth != said).sum() / (truth | said).sum()), int((truth | said).sum())
 
 
 def ring_filled_and_knot_poor(play, label):
     """(15) Reports NEARLY_ALL samples in the rings' middle; the error on the knot is above POOR_ERROR."""
-    ring = middle_share(play, label, targets(play, "ring", kind="torus"), "the ring")
-    error = sample_error(play, label, targets(play, "knot", kind="torus_knot"))
-    figures = {"reports the ring's middle": ring, "error on the knot": error}
-    return ring >= t.NEARLY_ALL and error > t.POOR_ERROR, figures
+    ring = filled(play, label, targets(play, "ring", kind="torus"), "the ring")
+    error, samples = sample_error(play, label, targets(play, "knot", kind="torus_knot"))
+    return [ring, clause("error on the knot", error, ">", t.POOR_ERROR, 1 / samples)]
 
 
-def good_figures(play, label, names):
+def good_clauses(play, label, names, what=""):
     """Good: the median contact begins within SLIGHT_M of the truth; later than that, or never, are at most RARE."""
     _, touching = passes(play, label, names)
-    median = float(touching["first"].abs().fillna(np.inf).median())
-    late = late_share(touching, t.SLIGHT_M)
-    return median <= t.SLIGHT_M and late <= t.RARE, {"median off m": median, "late or blind": late}
+    off = touching["first"].abs().fillna(np.inf)
+    behind = late(touching, t.SLIGHT_M)
+    return [
+        clause(f"median off, m{what}", float(off.median()), "<=", t.SLIGHT_M,
+               where=targets_of(touching, off > t.SLIGHT_M)),
+        clause(f"share late by more than {t.SLIGHT_M} m or blind{what}", share(behind), "<=", t.RARE, 1 / len(touching),
+               targets_of(touching, behind)),
+    ]
 
 
 def exact_and_good_at_quarters(play, label):
     """(16) Exact on unturned boxes, good on boxes at multiples of 90 degrees: nearer angles are not in the scene."""
-    exact, figures = exact_on_boxes(play, label)
-    good, more = good_figures(play, label, targets(play, "slab at 90 degrees", kind="box", turn="quarter"))
-    return exact and good, figures | {f"at 90: {name}": value for name, value in more.items()}
+    quarters = targets(play, "slab at 90 degrees", kind="box", turn="quarter")
+    return [*exact_on_boxes(play, label), *good_clauses(play, label, quarters, ", at 90 degrees")]
 
 
 def too_early_or_blind(play, label):
     """(17) On boxes turned otherwise: MOST passes too early (TOO_EARLY_M) or blind (never, or SLIGHT_M late), and both
     occur."""
     _, touching = passes(play, label, targets(play, "slab at 45 degrees", kind="box", turn="other"))
-    early, blind = share(touching["first"] > t.TOO_EARLY_M), late_share(touching, t.SLIGHT_M)
-    return early > 0 and blind > 0 and early + blind > t.MOST, {"too early": early, "blind": blind}
+    early, blind = touching["first"] > t.TOO_EARLY_M, late(touching, t.SLIGHT_M)
+    one = 1 / len(touching)
+    return [
+        clause("share too early", share(early), ">", 0, one), clause("share blind", share(blind), ">", 0, one),
+        clause("share of either", share(early | blind), ">", t.MOST, one, targets_of(touching, ~(early | blind))),
+    ]
 
 
 def sees_ring_and_knot(play, label):
     """(18)"""
-    ring, figures = sees_figures(play, label, "ring", targets(play, "ring", kind="torus"))
-    knot, more = sees_figures(play, label, "knot", targets(play, "knot", kind="torus_knot"))
-    return ring and knot, figures | more
+    ring = sees_clauses(play, label, "ring", targets(play, "ring", kind="torus"))
+    return [*ring, *sees_clauses(play, label, "knot", targets(play, "knot", kind="torus_knot"))]
 
 
 def slightly_early(play, label):
     """(19) Is early, the median of the early passes by SLIGHT_M at most; too early are at most RARE."""
-    early, figures = early_figures(play, label)
     _, touching = passes(play, label)
     ahead = touching["first"][touching["first"] > t.EXACT_M]
-    far = share(touching["first"] > t.TOO_EARLY_M)
-    figures |= {"median of the early m": float(ahead.median()), "too early": far}
-    return early and figures["median of the early m"] <= t.SLIGHT_M and far <= t.RARE, figures
+    far = touching["first"] > t.TOO_EARLY_M
+    return [
+        *early_clauses(play, label),
+        clause("median of the early passes, m", float(ahead.median()), "<=", t.SLIGHT_M),
+        clause("share too early", share(far), "<=", t.RARE, 1 / len(touching), targets_of(touching, far)),
+    ]
 
 
-def inside_share(play, label):
-    """The share of samples with the hero wholly inside at which the algorithm reports."""
-    return share(chosen_samples(play, label, contained(play), "with one body inside another"))
+def inside(play, label):
+    """Of samples with the hero wholly inside: at which the algorithm reports."""
+    return chosen_samples(play, label, contained(play), "with one body inside another")
 
 
 def misses_inside(play, label):
     """(20) Silent at MOST samples with the hero inside."""
-    reported = inside_share(play, label)
-    return 1 - reported > t.MOST, {"reports inside": reported}
+    silent = 1 - share(inside(play, label))
+    return [clause("share of samples inside not reported", silent, ">", t.MOST, 1 / len(inside(play, label)))]
 
 
 def contacts_with_gap(play, label):
@@ -394,62 +459,72 @@ def flickers(play, label):
     """(21) More than RARE of the contacts in which it reports at all are broken by a silence."""
     changes = int(passes(play, label)[1].flicker.sum())
     contacts, gaps = contacts_with_gap(play, label)
-    return gaps > t.RARE * contacts, {"contacts reported": contacts, "with a gap": gaps, "changes in contact": changes}
+    return [
+        clause("contacts with a gap", int(gaps), ">", t.RARE * contacts, 1),
+        told("contacts reported", contacts), told("changes of the answer in contact", changes),
+    ]
 
 
 def tunnels_most(play, label, *others):
     """(22) Silent at NEARLY_ALL samples with the hero through a slab; more false negatives than the other box
     methods."""
-    silent = 1 - share(chosen_samples(play, label, play.samples.through, "with the hero through a slab"))
-    missed, next_most = int(play.false_negative[label]), int(play.false_negative[list(others)].max())
-    figures = {"silent through the slab": silent, "missed": missed, "next most missed": next_most}
-    return silent >= t.NEARLY_ALL and missed > next_most, figures
+    said = chosen_samples(play, label, play.samples.through, "with the hero through a slab")
+    missed = play.false_negative[list(others)]
+    return [
+        clause("share of samples through the slab not reported", 1 - share(said), ">=", t.NEARLY_ALL, 1 / len(said)),
+        clause("missed samples", int(play.false_negative[label]), ">", int(missed.max()), 1, missed.idxmax()),
+    ]
 
 
 def early_on_turned(play, label):
     """(23) Targets turned by no multiple of 90 degrees."""
-    return early_figures(play, label, targets(play, "turned body", turn="other"))
+    return early_clauses(play, label, targets(play, "turned body", turn="other"))
 
 
 def exact_slab_early_round(play, label):
     """(24) Exact on unturned slabs; early on spheres and on capsules."""
-    holds, figures = exact_figures(play, label, targets(play, "unturned slab", thin=True, turn="none"))
+    found = exact_clauses(play, label, targets(play, "unturned slab", thin=True, turn="none"), ", slab")
     for kind in ("sphere", "capsule"):
-        early, more = early_figures(play, label, targets(play, kind, kind=kind), f", {kind}")
-        holds, figures = holds and early, figures | more
-    return holds, figures
+        found += early_clauses(play, label, targets(play, kind, kind=kind), f", {kind}")
+    return found
 
 
 def late_or_blind_on_two_axes(play, label):
     """(25) On slabs turned about more than one axis, MOST touching passes are visibly late or never reported."""
     _, touching = passes(play, label, targets(play, "slab turned about two axes", thin=True, axes=2))
-    blind, late = share(touching["first"].isna()), share(touching["first"] < -t.EXACT_M)
-    return blind + late > t.MOST, {"late": late, "blind": blind}
+    blind, behind = touching["first"].isna(), touching["first"] < -t.EXACT_M
+    either = blind | behind
+    return [
+        clause("share late or blind", share(either), ">", t.MOST, 1 / len(touching),
+               f"neither at {targets_of(touching, ~either)}"),
+        told("share late", share(behind)), told("share blind", share(blind)),
+    ]
 
 
 def turned_ring_but_not_middle(play, label):
     """(26) Good on rings turned about one axis, yet reports NEARLY_ALL samples in the rings' middle."""
-    good, figures = good_figures(play, label, targets(play, "ring turned about one axis", kind="torus", axes=1))
-    middle = middle_share(play, label, targets(play, "ring", kind="torus"), "the ring")
-    return good and middle >= t.NEARLY_ALL, figures | {"reports the ring's middle": middle}
+    turned = targets(play, "ring turned about one axis", kind="torus", axes=1)
+    ring = filled(play, label, targets(play, "ring", kind="torus"), "the ring")
+    return [*good_clauses(play, label, turned, ", turned ring"), ring]
 
 
 def may_miss_inside(play, label):
     """(27) "May": at least one sample with the hero inside is not reported."""
-    reported = inside_share(play, label)
-    return reported < 1, {"reports inside": reported}
+    return [clause("share of samples inside reported", share(inside(play, label)), "<", 1,
+                   1 / len(inside(play, label)))]
 
 
 def sees_but_has_holes(play, label):
     """(28) Sees ring and knot; some touching pass is blind, SLIGHT_M late or broken by a gap; silent at MOST samples
     inside."""
-    sees, figures = sees_ring_and_knot(play, label)
     _, touching = passes(play, label)
     _, gaps = contacts_with_gap(play, label)
-    blind = int((~(touching["first"] >= -t.SLIGHT_M)).sum())
-    misses, more = misses_inside(play, label)
-    holds = sees and (blind > 0 or gaps > 0) and misses
-    return holds, figures | {"blind passes": blind, "contacts with a gap": gaps} | more
+    blind = int(late(touching, t.SLIGHT_M).sum())
+    return [
+        *sees_ring_and_knot(play, label),
+        clause("passes blind, and contacts with a gap", blind + int(gaps), ">", 0, 1),
+        *misses_inside(play, label),
+    ]
 
 
 def practically_alike(play, one, other):
@@ -459,10 +534,15 @@ def practically_alike(play, one, other):
     either = said.any(axis=1)
     if not either.any():
         raise NotTestable("neither reports anything")
-    differs = share(said[either, 0] != said[either, 1])
+    differs = said[either, 0] != said[either, 1]
     first = [passes(play, label)[1]["first"].to_numpy() for label in (one, other)]
     same = (np.abs(first[0] - first[1]) <= t.SAME_M) | (np.isnan(first[0]) & np.isnan(first[1]))
-    return differs <= t.PRACTICALLY, {"different answers": differs, "same first contact": share(same)}
+    where = play.samples.target[either][differs].value_counts()
+    where = ", ".join(f"{name} ({count} samples)" for name, count in where[:4].items())
+    return [
+        clause("share of answers that differ", share(differs), "<=", t.PRACTICALLY, 1 / len(differs), where),
+        told("share of passes with the same first contact", share(same)),
+    ]
 
 
 BOTH = ("box", "falling")
@@ -506,6 +586,7 @@ STATEMENTS = [
     Statement(28, "I sees the ring's middle and the knot's loop, has blind places, and misses a body inside another.",
               PLAY, "I", sees_but_has_holes),
     Statement(29, "U answers practically as I does.", PLAY, "IU", practically_alike),
+    *(Statement(*row[:5], times=bool(row[5:])) for row in conclusions.STATEMENTS),
 ]
 
 
@@ -531,6 +612,7 @@ def judged(statement, scenes, careful=False):
     """The Verdict on a statement. scenes: kind -> Playground or Timed. careful: on the careful labels where there are
     any."""
     labels = [KEYS[key] for key in statement.keys]
+    cause = ""
     try:
         found = []
         for kind in statement.scenes:
@@ -543,12 +625,17 @@ def judged(statement, scenes, careful=False):
             if missing := [label for label in labels if label not in scene.labels]:
                 raise NotTestable(f"the {kind} file has no answers of {', '.join(missing)}")
         if statement.times:
-            found = [as_published(scene, kind, labels) for scene, kind in zip(found, statement.scenes)]
-        holds, figures = statement.judge(*found, *labels)
-        verdict = "confirmed" if holds else "refuted"
+            found = [as_published(scene, kind, labels) if kind != "playground" else scene
+                     for scene, kind in zip(found, statement.scenes)]
+        clauses = statement.judge(*found, *labels)
+        verdict = "confirmed" if hold(clauses) else "refuted"
+        if verdict == "refuted":
+            cause = causes.cause(statement, clauses, dict(zip(statement.scenes, found)), labels)
     except NotTestable as why:
-        verdict, figures = f"not testable: {why}", {}
-    return Verdict(statement.number, "careful" if careful else "", verdict, figures, statement.text)
+        verdict, clauses = f"not testable: {why}", []
+    section, czech, see = SENTENCES[statement.number]
+    form = "careful" if careful else ""
+    return Verdict(statement.number, form, verdict, clauses, statement.text, cause, section, czech, see)
 
 
 def verdicts(scenes):
@@ -562,9 +649,3 @@ def verdicts(scenes):
             found.append(judged(statement, scenes, careful=True))
     return found
 
-
-def shown(value):
-    """A figure: three digits, whole numbers in full."""
-    if not isinstance(value, float):
-        return str(value)
-    return f"{value:.0f}" if 1000 <= abs(value) < 1e15 else f"{value:.3g}"

@@ -58,3 +58,20 @@ FOLLOWS = 0.5
 SQUARE = (1.7, 2.3)
 # Fewer bodies are left out of that fit: the clock and the work per body weigh more than the pairs.
 SQUARE_FROM = 10
+
+# Conclusions: section 5.4 and chapter 6, statements (30) and on.
+
+# A clause that fails is a near miss when what was measured is this near to what was needed, as a share of it, or when
+# one pass or sample more or less would have decided otherwise.
+NEAR = 0.2
+# "high accuracy", "excellent accuracy": at most every fifth colour seen near an obstacle is wrong. Between this and
+# POOR_ERROR an answer is neither high nor poor.
+HIGH_ERROR = 0.2
+# "nearly as accurate as": its error is at most this much greater; one answer in ten is an accident, as RARE.
+NEARLY_AS = 0.1
+# "markedly faster", "noticeably faster": half as long again, 1.5 times; less is not seen on a curve of 500 steps.
+MARKEDLY = 1.5
+# "comparable", of counts: the larger at most half as many again as the smaller.
+COMPARABLE = 1.5
+# "very similar", of the shapes of two curves: Pearson's correlation from here; 64 % of the variance is shared.
+VERY_ALIKE = 0.8

@@ -91,6 +91,10 @@ void put(const std::string& raw) {
     throw Error(kFile, std::string("stdout: cannot be written (") + std::strerror(errno) + ")");
 }
 
+void tell(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) std::fprintf(stderr, "note: %s\n", one_line(line, kMostLine).c_str());
+}
+
 void warn(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) std::fprintf(stderr, "warning: %s\n", one_line(line, kMostLine).c_str());
 }

@@ -23,6 +23,7 @@ struct AlgorithmChoice {
   std::string label;                                 // defaults to the name
   algorithms::Knobs knobs;                           // all of them, presets filled in
   std::shared_ptr<const Foreign> foreign = nullptr;  // of a method of others; null: a row of the table
+  bool optional = false;                             // a program that is not here is left out
   // Of a row with a knob of Role::files:
   std::vector<FileOfMesh> files = {};
   std::filesystem::path folder = {};

@@ -5,8 +5,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "algorithms/beyond/proxy.hpp"
-#include "algorithms/beyond/solids.hpp"
+#include "algorithms/contract/proxy_files.hpp"
 #include "geometry/decision/wrapping.hpp"
 
 namespace pipeline {

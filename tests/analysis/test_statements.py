@@ -1,5 +1,6 @@
 """Every statement is confirmed on made-up data where it holds and refuted where it does not."""
 
+import re
 import subprocess
 import sys
 
@@ -11,9 +12,13 @@ from editing import edited
 from conftest import ROOT
 
 from analysis.load import load
+from analysis.tables import causes
+from analysis.tables.causes import Evidence
+from analysis.tables.clauses import KEYS, clause
 from analysis.tables.intervals import Interval
 from analysis.tables.scenes import Playground, Timed, _shape, playground, rotation
-from analysis.tables.statements import KEYS, STATEMENTS, judged, verdicts
+from analysis.tables.sentences import SENTENCES
+from analysis.tables.statements import STATEMENTS, judged, verdicts
 
 NEVER = np.nan
 
@@ -24,7 +29,7 @@ NEVER = np.nan
 # c(ontained), m(iddle), x (through a slab).
 
 
-def play(targets, passes=(), samples=(), missed=None, keys="GHJKLPOIU", suffix=""):
+def play(targets, passes=(), samples=(), missed=None, keys="GHJKLPOIU", suffix="", error=None):
     labels = [KEYS[key] + suffix for key in keys]
     rows = []
     for target, touches, answers in passes:
@@ -45,6 +50,7 @@ def play(targets, passes=(), samples=(), missed=None, keys="GHJKLPOIU", suffix="
         flags,
         pd.DataFrame(said, index=flags.index, dtype=bool),
         pd.Series({label: (missed or {}).get(key, 0) for key, label in zip(keys, labels)}),
+        pd.DataFrame({"error": [(error or {}).get(key, 0.5) for key in keys]}, index=labels),
     )
 
 
@@ -177,15 +183,15 @@ def verdict(number, **scenes):
 @pytest.mark.parametrize("number, data", CONFIRMED)
 def test_confirms(number, data):
     found = verdict(number, playground=play(**data))
-    assert found.verdict == "confirmed", found.figures
-    assert found.figures
+    assert found.verdict == "confirmed", found.clauses
+    assert found.clauses
 
 
 @pytest.mark.parametrize("number, data", REFUTED)
 def test_refutes(number, data):
     found = verdict(number, playground=play(**data))
-    assert found.verdict == "refuted", found.figures
-    assert found.figures
+    assert found.verdict == "refuted", found.clauses
+    assert found.clauses
 
 
 @pytest.mark.parametrize("number, data, why", NOT_TESTABLE)
@@ -203,26 +209,34 @@ def test_contained_pairs_that_were_not_recorded_are_not_none():
 # Times and counts. A scene of four steps, its algorithms' mean times and hits as given.
 
 
-def timed(mean=None, hits=None, time_ns=None, bodies=(10, 10, 10, 10), host="one"):
-    """mean: a string of keys, each 10 times slower than the one before, or key -> ns; hits, time_ns: key -> per
-    step."""
+def timed(mean=None, hits=None, time_ns=None, bodies=(10, 10, 10, 10), host="one", error=None, missed=None, false=None,
+          engine=None, evidence=None):
+    """mean: a string of keys, each 10 times slower than the one before, or key -> ns; hits, time_ns: key -> per step;
+    error, missed, false (positives): key -> number; engine: (hits, time_ns) per step of cannon_naive."""
     if isinstance(mean, str):
         mean = {key: 10.0**place for place, key in enumerate(mean)}
-    labels = list(KEYS.values())
+    keys = KEYS | ({"C": "cannon_naive"} if engine else {})
+    if engine:
+        hits, time_ns = ({**(given or {}), "C": column} for given, column in zip((hits, time_ns), engine))
+    labels = list(keys.values())
     per_step = []
-    for key, label in KEYS.items():
+    for key, label in keys.items():
         for step in range(len(bodies)):
             said = (hits or {}).get(key, [1] * len(bodies))[step]
             per_step.append((step, label, said, (time_ns or {}).get(key, [1] * len(bodies))[step]))
     per_step = pd.DataFrame(per_step, columns=["step", "algorithm", "hits", "time_ns"])
     summary = pd.DataFrame(
         {
-            "time_mean_ns": [(mean or {}).get(key, 1.0) for key in KEYS],
+            "time_mean_ns": [(mean or {}).get(key, 1.0) for key in keys],
             "hits": per_step.groupby("algorithm").hits.sum()[labels].to_numpy(),
+            "error": [(error or {}).get(key, 0.5) for key in keys],
+            "false_negative": [(missed or {}).get(key, 0) for key in keys],
+            "false_positive": [(false or {}).get(key, 0) for key in keys],
+            "true_positive": 10,
         },
         index=labels,
     )
-    return Timed(summary, per_step, np.array(bodies), host)
+    return Timed(summary, per_step, np.array(bodies), host, evidence=evidence)
 
 
 BOX, FALLING = "HGJOLIPUK", "GHJOLUIPK"
@@ -266,8 +280,8 @@ TIMED = [
 @pytest.mark.parametrize("number, scenes, holds", TIMED)
 def test_judges_times_and_counts(number, scenes, holds):
     found = verdict(number, **scenes)
-    assert found.verdict == ("confirmed" if holds else "refuted"), found.figures
-    assert found.figures
+    assert found.verdict == ("confirmed" if holds else "refuted"), found.clauses
+    assert found.clauses
 
 
 def test_times_of_different_machines_are_not_compared():
@@ -291,10 +305,10 @@ def test_times_of_another_procedure_than_the_thesis_s_decide_nothing(number):
         scenes = {"box": box, "falling": falling}
         found = verdict(number, **{kind: scenes[kind] for kind in STATEMENTS[number - 1].scenes})
         if twin == "":
-            assert found.verdict.startswith("not testable: facet_distance of the "), found.figures
-            assert "search" in found.verdict and found.figures == {}
+            assert found.verdict.startswith("not testable: facet_distance of the "), found.clauses
+            assert "search" in found.verdict and found.clauses == []
         else:
-            assert found.verdict == "confirmed", found.figures
+            assert found.verdict == "confirmed", found.clauses
 
 
 # The same with times per step: 600 steps, each label's own noise of `spread` about its mean.
@@ -349,16 +363,227 @@ def test_few_bodies_tell_no_growth():
     assert "does not double" in verdict(8, box=timed(bodies=(2, 4, 8, 9))).verdict
 
 
+# Conclusions. Two bodies, 0 and 1, meet at steps 0 and 1; the second is flat.
+
+
+def proof(thin=(False, True), reported=None, knobs=None, facets=(320, 12), prepare=None, names=("ball", "plate")):
+    """Evidence: reported: label -> steps at which the pair is reported."""
+
+    def at(steps):
+        return pd.DataFrame({"step": np.array(steps, np.int64), "a": np.uint32(0), "b": np.uint32(1)})
+
+    return Evidence(lambda label: at((reported or {}).get(label, [])), at([0, 1]), knobs or {}, np.array(facets),
+                    np.array(thin), list(names), prepare or {})
+
+
+def everywhere(**given):
+    """Box, falling and playground with the same errors and times."""
+    error = given.get("error")
+    return dict(box=timed(**given), falling=timed(**given), playground=play(targets=SLAB, error=error))
+
+
+def in_two(**given):
+    return dict(box=timed(**given), falling=timed(**given))
+
+
+LEAST_K, LEAST_L = {"K": 0.1}, {"L": 0.1}
+TURNED = SLAB | SLAB_45
+RIGHT, WRONG = [("slab", "t", "J")], [("slab_45", "t", "J"), ("slab_45", "", "J")]
+FALSE_AT_PLATE = proof(reported={"bounding_sphere": [0, 1, 2, 3]})
+FALSE_ELSEWHERE = proof(thin=(False, False, True), names=("ball", "ball2", "plate"), facets=(320, 320, 12),
+                        reported={"bounding_sphere": [0, 1, 2, 3]})
+CONCLUSIONS = [
+    (30, dict(playground=play(targets=SLAB, error={"K": 0.2, "I": 0.1, "U": 0.2})), True),
+    (30, dict(playground=play(targets=SLAB, error={"K": 0.2, "I": 0.21, "U": 0.2})), False),
+    (31, everywhere(error=LEAST_K), True),
+    (31, everywhere(error=LEAST_K | LEAST_L | {"K": 0.11}), False),
+    (31, everywhere(error=LEAST_K) | dict(falling=timed(error=LEAST_L)), False),
+    (32, in_two(mean="GHJLOIPUK"), True),
+    (32, in_two(mean="GHJLOIPKU"), False),
+    (33, in_two(mean="HJGLOIPUK"), True),
+    (33, in_two(mean="HJGLIOPUK"), False),
+    (34, everywhere(mean="GHJLOIPUK"), True),
+    (34, everywhere(mean="GLJHOIPUK"), False),
+    (34, everywhere(mean="GHJLOIPUK", error={"J": 0.33}), False),
+    (35, everywhere(error={"G": 0.4}), True),
+    (35, everywhere(error={"G": 0.4, "O": 0.39}), False),
+    (36, in_two(mean="HJGLO"), True),
+    (36, in_two(mean="HJLGO"), False),
+    (37, in_two(mean="GH", hits={"G": [1, 0, 0, 0]}, missed=dict.fromkeys("JKLPOIU", 1)), True),
+    (37, in_two(mean="HG", hits={"G": [1, 0, 0, 0]}, missed=dict.fromkeys("JKLPOIU", 1)), False),
+    (37, in_two(mean="GH", hits={"H": [1, 0, 0, 0]}, missed=dict.fromkeys("JKLPOIU", 1)), False),
+    (37, in_two(mean="GH", missed=dict.fromkeys("GJKLPOIU", 1)), False),
+    (38, dict(playground=play(targets=SLAB, error={"H": 0.51})), True),
+    (38, dict(playground=play(targets=SLAB, error={"H": 0.49})), False),
+    (39, dict(falling=timed(evidence=FALSE_AT_PLATE)), True),
+    (39, dict(falling=timed(evidence=FALSE_ELSEWHERE)), False),
+    (40, dict(playground=play(targets=TURNED, samples=RIGHT + WRONG)), True),
+    (40, dict(playground=play(targets=TURNED, samples=RIGHT + WRONG[:1])), False),
+    (40, dict(playground=play(targets=TURNED, samples=[("slab", "t", "")] + WRONG)), False),
+    (41, in_two(mean="GHJOL"), True),
+    (41, in_two(mean="GJHOL"), False),
+    (41, in_two(mean="GHOJL"), False),
+    (42, everywhere(error={"G": 0.4}, mean="GL"), True),
+    (42, everywhere(error={"L": 0.4}, mean="GL"), False),
+    (42, everywhere(error={"G": 0.4}, mean="LG"), False),
+    (43, dict(playground=play(targets=SLAB, error={"P": 0.6, "J": 0.5, "K": 0.1, "I": 0.2, "U": 0.4})), True),
+    (43, dict(playground=play(targets=SLAB, error={"P": 0.6, "J": 0.5, "K": 0.1, "I": 0.2, "U": 0.7})), False),
+    (44, in_two(mean="GP", error={"P": 0.6}), True),
+    (44, in_two(mean="GPU", error={"P": 0.6, "U": 0.7}), False),
+    (45, everywhere(error={"O": 0.6}), True),
+    (45, everywhere(error={"O": 0.6, "G": 0.61}), False),
+    (46, dict(playground=play(targets=SLAB, error={"I": 0.3, "K": 0.21})), True),
+    (46, dict(playground=play(targets=SLAB, error={"I": 0.3, "K": 0.19})), False),
+    (47, in_two(mean="IK"), True),
+    (47, in_two(mean="KI"), False),
+    (48, everywhere(mean={"U": 1.25}, error={"U": 0.45}), True),
+    (48, everywhere(mean={"U": 1.26}, error={"U": 0.45}), False),
+    (48, everywhere(mean={"U": 1.25}, error={"U": 0.39}), False),
+    (49, everywhere(error={"U": 0.2, "K": 0.1}, mean="UK"), True),
+    (49, everywhere(error={"U": 0.2, "K": 0.1}, mean="KU"), False),
+    (49, everywhere(error={"U": 0.2, "K": 0.1, "L": 0.1}, mean="UKL"), False),
+    (50, dict(box=timed(hits=dict.fromkeys(KEYS, UP), time_ns=dict.fromkeys(KEYS, UP), engine=(UP, UP))), True),
+    (50, dict(box=timed(hits=dict.fromkeys(KEYS, UP), time_ns=dict.fromkeys(KEYS, DOWN), engine=(UP, UP))), False),
+    (51, dict(falling=timed(hits=dict.fromkeys(KEYS, DOWN), engine=(UP, FLAT))), True),
+    (51, dict(falling=timed(hits=dict.fromkeys(KEYS, UP), engine=(UP, FLAT))), False),
+    (51, dict(falling=timed(hits=dict.fromkeys(KEYS, DOWN), engine=(DOWN, FLAT))), False),
+    (52, dict(falling=timed(time_ns=dict.fromkeys(KEYS, DOWN), engine=(UP, UP))), True),
+    (52, dict(falling=timed(time_ns=dict.fromkeys(KEYS, UP), engine=(UP, UP))), False),
+    (53, in_two(false={"H": 11}), True),
+    (53, in_two(false={"H": 10}), False),
+    (54, in_two(hits={"J": [3, 3, 3, 0], "L": [3, 3, 0, 0]}), True),
+    (54, in_two(hits={"J": [3, 3, 3, 1], "L": [3, 3, 0, 0]}), False),
+    (55, in_two(mean={"L": 1.5}), True),
+    (55, in_two(mean={"L": 1.49}), False),
+    (56, dict(playground=play(targets=SLAB, error=dict.fromkeys("KPIU", 0.4))), True),
+    (56, dict(playground=play(targets=SLAB, error=dict.fromkeys("KPI", 0.4))), False),
+    (57, dict(box=timed(mean={"L": 1.2}), falling=timed(mean={"L": 1.5})), True),
+    (57, dict(box=timed(mean={"L": 1.3}), falling=timed(mean={"L": 1.5})), False),
+    (57, dict(box=timed(mean={"L": 1.2}), falling=timed(mean={"L": 1.4})), False),
+]
+
+
+@pytest.mark.parametrize("number, scenes, holds", CONCLUSIONS)
+def test_judges_conclusions(number, scenes, holds):
+    found = verdict(number, **{kind: scenes[kind] for kind in STATEMENTS[number - 1].scenes})
+    assert found.verdict == ("confirmed" if holds else "refuted"), found.clauses
+    assert any(each.holds is False for each in found.clauses) == (not holds)
+
+
+def test_a_flat_body_needs_to_be_told():
+    assert verdict(39, falling=timed()).verdict == "not testable: the file has no large flat body"
+
+
+# What is beside a verdict.
+
+
+def test_a_verdict_has_what_was_needed_and_which_clause_failed():
+    found = verdict(15, playground=play(**dict(REFUTED)[15]))  # the last of its cases
+    ring, knot = found.clauses
+    assert (ring.measured, ring.needed, ring.holds) == (1.0, "≥ 0.9", True)
+    assert (knot.needed, knot.holds) == ("> 0.333", False) and knot.measured == pytest.approx(1 / 3)
+    assert found.section == "5.3" and "uprostřed kruhu" in found.czech and found.see == ("map-obstacles",)
+
+
+@pytest.mark.parametrize(
+    "measured, sign, limit, one, near",
+    [
+        (0.303, ">", 1 / 3, 0.001, True),  # 9 % off
+        (0.26, ">", 1 / 3, 0.001, False),  # 22 %
+        (1 / 7, "<=", 0.1, 1 / 7, True),  # one of seven passes
+        (2 / 7, "<=", 0.1, 1 / 7, False),
+        (2.5, "<=", 0.3, 0, False),
+        (1.6, "in", (1.7, 2.3), 0, True),
+        (0.2, ">", 1 / 3, 0.2, True),  # one sample of five more would do
+        (0.5, ">", 1 / 3, 0, False),  # it holds
+    ],
+)
+def test_a_near_miss_is_marked(measured, sign, limit, one, near):
+    assert clause("x", measured, sign, limit, one).near is near
+
+
+def test_a_verdict_is_a_near_miss_when_all_that_fails_is():
+    assert verdict(11, falling=timed(hits={"I": [20] * 4, "U": [21, 21, 22, 20]})).near is False
+    near = verdict(6, box=timed({"I": 1.3}), falling=timed())
+    far = verdict(6, box=timed({"I": 1.3}), falling=timed({"I": 2.0}))
+    assert (near.verdict, near.near, far.near) == ("refuted", True, False)
+
+
+def test_it_is_said_at_which_targets_a_clause_fails():
+    data = dict(targets=SLAB | CUBE, passes=through("slab", {}, {}) + through("cube", {"G": 0.06}, {"G": NEVER}, {}))
+    assert "fails at cube (2 of 3 passes)" in verdict(14, playground=play(**data)).cause
+
+
+# ---- causes
+
+
+KNOBS = {"facet_distance": ("facet_distance", {"prefilter": "rotated_aabb"}), "rotated_aabb": ("rotated_aabb", {}),
+         "facet_triangles": ("facet_triangles", {"stride": 20, "densify": False, "prefilter": "none"})}
+
+
+def test_misses_of_the_prefilter_are_told_from_its_own():
+    none_added = proof(reported={"rotated_aabb": [0], "facet_distance": [0]}, knobs=KNOBS)
+    assert causes.prefilter_misses(none_added, "facet_distance") == (
+        "all 1 of the misses of K (facet_distance) are misses of its prefilter rotated_aabb; it adds none of its own."
+    )
+    own = proof(reported={"rotated_aabb": [0, 1], "facet_distance": [0]}, knobs=KNOBS)
+    assert causes.prefilter_misses(own, "facet_distance") == ""  # the one it misses its prefilter does not
+    half = proof(reported={"rotated_aabb": [0], "facet_distance": []}, knobs=KNOBS)
+    assert "1 of 2 (50 %)" in causes.prefilter_misses(half, "facet_distance")
+    assert "adds 1 of its own" in causes.prefilter_misses(half, "facet_distance")
+
+
+def test_bodies_without_a_triangle_are_named():
+    plate = proof(knobs=KNOBS)
+    assert causes.without_triangle(plate, "facet_triangles") == (
+        "all 2 of the misses of I (facet_triangles) are pairs with plate: of 12 facets every 20th is taken, fewer than 3 "
+        "points, which make no triangle."
+    )
+    assert causes.without_triangle(proof(knobs=KNOBS, facets=(320, 41)), "facet_triangles") == ""  # three points
+    assert causes.without_triangle(proof(knobs=KNOBS, facets=(320, 40)), "facet_triangles") != ""
+    dense = {"facet_triangles": ("facet_triangles", {"stride": 20, "densify": True})}
+    assert causes.without_triangle(proof(knobs=dense), "facet_triangles") == ""
+
+
+def test_the_part_of_time_per_body_is_told_where_there_are_most():
+    bodies, times = np.array([1, 2, 2]), {"obb_corners": np.array([9.0, 100.0, 100.0])}
+    told = proof(prepare={"obb_corners": np.array([9.0, 62.0, 62.0])})
+    assert "With all 2 bodies there, 62 % of the time of L (obb_corners)" in causes.per_body(told, bodies, times,
+                                                                                           "obb_corners")
+    little = proof(prepare={"obb_corners": np.array([9.0, 5.0, 5.0])})
+    assert causes.per_body(little, bodies, times, "obb_corners") == ""
+
+
+def test_whose_hits_are_whose_is_told_either_way():
+    more = proof(reported={"facet_triangles": [0], "facet_rotations": [0, 1, 7]})
+    told = ("Every hit of I (facet_triangles) is one of U (facet_rotations); U (facet_rotations) reports 2 more, of which "
+            "1 truly meet.")
+    assert causes.subset(more, "facet_triangles", "facet_rotations") == told
+    assert causes.subset(more, "facet_rotations", "facet_triangles") == told
+    apart = proof(reported={"facet_triangles": [2], "facet_rotations": [0, 1]})
+    assert "reports 1 pairs that" in causes.subset(apart, "facet_triangles", "facet_rotations")
+    assert causes.subset(proof(), "facet_triangles", "facet_rotations") == ""
+
+
+def test_a_time_follows_the_stage_that_decides_how_far_a_pair_is_looked_at():
+    scene = timed(hits={"J": UP})
+    for time, said in ((np.array([10.0, 20, 31, 40]), True), (np.array([10.0, 40, 10, 20]), False)):
+        scene.times["obb_triangles"] = time
+        found = causes.follows(None, scene, "obb_triangles", "rotated_aabb", "what passes")
+        assert bool(found) is said
+
+
 def test_every_statement_can_be_confirmed_and_refuted():
-    assert [statement.number for statement in STATEMENTS] == list(range(1, 30))
+    numbers = set(range(1, len(STATEMENTS) + 1))
+    assert [statement.number for statement in STATEMENTS] == sorted(numbers) == sorted(SENTENCES)
     either = [{number for number, *_ in table} for table in (CONFIRMED, REFUTED)]
     for known, table in zip((True, False), either):
-        assert table | {number for number, _, holds in TIMED if holds is known} == set(range(1, 30))
+        assert table | {number for number, _, holds in TIMED + CONCLUSIONS if holds is known} == numbers
 
 
 def test_without_files_nothing_is_testable():
     found = verdicts({})
-    assert len(found) == 29
+    assert len(found) == len(STATEMENTS) == 57
     assert all(each.verdict.startswith("not testable: no file of a ") for each in found)
 
 
@@ -433,6 +658,7 @@ def playground_file(tmp_path):
         torus, rod, box = '{"kind":"torus"}', '{"file":"rod.obj"}', '{"kind":"box"}'
         for name, shape, size in (("torus", torus, (1, 7, 7)), ("rod", rod, (3, 1, 1)), ("cube", box, (7, 7, 7))):
             file[f"meshes/{name}/vertices"] = np.array([size, size]) * [[-0.5], [0.5]]
+            file[f"meshes/{name}/triangles"] = np.array([[0, 1, 1]], dtype=np.uint32)
             file[f"meshes/{name}"].attrs["shape"] = shape
         position = np.zeros((STEPS, 3, 3))
         position[:, :, 0] = np.stack([np.full(STEPS, RING_AT), PLACES, np.full(STEPS, CUBE_AT)], axis=1)
@@ -468,14 +694,15 @@ def statements(*paths):
 def test_the_command_prints_a_line_for_each_statement(playground_file):
     done = statements(playground_file)
     assert done.returncode == 0, done.stderr
-    lines = {line.split()[0]: line for line in done.stdout.splitlines()}
-    assert list(lines) == ["no."] + [str(number) for number in range(1, 30)]
-    assert "  not testable  no file of a box scene was given  " in lines["1"]
-    assert "refuted" in lines["13"] and "early 0;" in lines["13"]
-    assert "confirmed" in lines["14"] and "touching 1; worst m 0;" in lines["14"]
-    assert "  not testable  the file has no knot  " in lines["15"]
-    assert "confirmed" in lines["20"] and "reports inside 0 " in lines["20"]
-    assert lines["29"].endswith("U answers practically as I does.") and "confirmed" in lines["29"]
+    parts = re.split(r"^(?=\d)", done.stdout, flags=re.MULTILINE)[1:]
+    told = {int(part.split()[0]): part for part in parts}
+    assert list(told) == list(range(1, 58))
+    assert told[1].startswith("1  not testable: Order of mean times") and "no file of a box scene was given" in told[1]
+    assert told[13].startswith("13  refuted") and "share visibly early: 0, needed = 1  <- " in told[13]
+    assert told[14].startswith("14  confirmed") and "most off, m: 0, needed \u2264 0.05\n" in told[14]
+    assert "the file has no knot" in told[15]
+    assert "confirmed" in told[20] and "inside not reported: 1, needed > 0.5\n" in told[20]
+    assert told[29].startswith("29  confirmed: U answers practically as I does. [thesis 5.3]")
 
 
 def test_the_nearest_target_and_the_middle_are_found_from_the_motion(playground_file):

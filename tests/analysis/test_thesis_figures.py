@@ -18,9 +18,9 @@ from analysis.figures import playground as playground_map
 from analysis.figures import steps as step_figures
 from analysis.figures import thesis as thesis_figures
 from analysis.figures.drawing import NotDrawn
-from analysis.figures.figure import Figure, Table, figure, style
+from analysis.figures.figure import Figure, Verdicts, figure, style
 from analysis.load import load
-from analysis.tables.statements import KEYS
+from analysis.tables.clauses import KEYS
 
 LETTERS = {name: letter for letter, name in KEYS.items()}
 
@@ -306,6 +306,56 @@ def test_times_of_another_machine_are_not_drawn_and_that_is_said():
     assert "rotated_aabb" in words(step_figures.hits_per_step(run, "box", "k"))
 
 
+# C++ beside JavaScript: 4 ms over 1 ms and 9 ms over 3 ms at every step, 4 and 3 times with an interval of no width.
+
+
+def in_both_languages(steps=250, **pairs):
+    time = {"bounding_sphere": 1e6, "obb_sat": 3e6, "js_bounding_sphere": 4e6, "js_obb_sat": 9e6}
+    run = made({label: np.full(steps, ns) for label, ns in time.items()}, kind="falling")
+    for name in ("bounding_sphere", "obb_sat"):
+        run.meta["answers"][f"js_{name}"] |= {"name": name, "thesis_key": "", "transport": "program",
+                                              "language": "JavaScript, node 18"}
+    said = {label: [(0, 0, 1), (3, 1, 2)] for label in time} | pairs
+    run.pairs = lambda label: pd.DataFrame(said[label], columns=["step", "a", "b"])
+    return run
+
+
+def test_both_languages_stand_beside_the_thesis_s_times():
+    figure = thesis_tables.languages_figure(in_both_languages(), "falling", "k")
+    assert list(figure.table.index) == ["obb_sat", "bounding_sphere"]
+    row = figure.table.loc["bounding_sphere"]
+    assert (row.key, row["C++ ms"], row["JavaScript ms"], row["thesis ms"]) == ("H", 1, 4, 7.2476)
+    assert (row["JS / C++"], row.low, row.high, row["same answers"]) == pytest.approx((4, 4, 4, 1))
+    assert "takes 3 (obb_sat) to 4 times (bounding_sphere) as long as C++" in figure.title
+    assert figure.title.endswith("both answer alike on every pair") and "table 5.2" in figure.caption
+    assert "4× (4 to 4)" in words(figure)
+
+
+def test_answers_that_differ_between_languages_are_told():
+    run = in_both_languages(js_obb_sat=[(0, 0, 1), (3, 0, 2), (3, 1, 2)])
+    figure = thesis_tables.languages_figure(run, "falling", "k")
+    assert figure.table["same answers"].to_dict() == pytest.approx({"obb_sat": 2 / 3, "bounding_sphere": 1})
+    assert figure.title.endswith("at least 66.67 % of the answers are the same")
+
+
+def test_few_steps_have_a_ratio_of_languages_without_interval():
+    table = thesis_tables.languages_table(in_both_languages(steps=20), "playground")
+    assert table["JS / C++"].to_dict() == {"obb_sat": 3, "bounding_sphere": 4}
+    assert table[["low", "high", "thesis ms"]].isna().all(axis=None)
+
+
+def test_only_the_same_procedure_on_the_same_machine_is_compared_between_languages():
+    run = in_both_languages()
+    run.meta["answers"]["js_obb_sat"]["host"] = "elsewhere"
+    assert thesis_tables.in_javascript(run) == [("bounding_sphere", "js_bounding_sphere")]
+    fast = indexed(js=[9000, 9000])
+    fast.meta["answers"]["js"] |= {"name": "facet_distance", "thesis_key": "", "transport": "program",
+                                   "language": "JavaScript, node 18"}
+    assert thesis_tables.in_javascript(fast) == []
+    with pytest.raises(NotDrawn, match="none of the thesis's nine in both languages"):
+        thesis_tables.languages_table(fast, "box")
+
+
 # Collision and physics.
 
 
@@ -465,21 +515,24 @@ def test_metres_that_round_to_nothing_have_no_sign():
 
 
 def test_verdicts_are_counted_in_the_title(monkeypatch):
+    from analysis.tables.clauses import Clause
     from analysis.tables.statements import Verdict
 
+    failed, close = Clause("ratio", 2.0, "> 3", False), Clause("ratio", 2.9, "> 3", False, near=True)
     found = [
-        Verdict(1, "", "confirmed", {"ratio": 2.0}, "one"),
-        Verdict(2, "", "refuted", {"ratio": 1234.5}, "two"),
-        Verdict(2, "careful", "confirmed", {}, "two"),
-        Verdict(3, "", "not testable: no file", {}, "three"),
+        Verdict(1, "", "confirmed", [], "one"),
+        Verdict(2, "", "refuted", [failed, close], "two"),
+        Verdict(2, "careful", "confirmed", [], "two"),
+        Verdict(3, "", "refuted", [close], "three"),
+        Verdict(4, "", "not testable: no file", [], "four"),
     ]
     monkeypatch.setattr(thesis_tables, "verdicts", lambda scenes: found)
-    table = thesis_tables.statements_table({})
-    assert table.title == (
-        "Of the thesis's 3 statements the data confirm 1 and refute 1; 1 cannot be tested. Of 1 judged again on the "
-        "careful form the data confirm 1 and refute 0"
+    part = thesis_tables.statements_part({})
+    assert part.title == (
+        "Of the thesis's 4 statements the data confirm 1 and refute 2, 1 of them by a near miss; 1 cannot be tested. Of 1 "
+        "judged again on the careful form the data confirm 1 and refute 0"
     )
-    assert table.frame.figures.tolist() == ["ratio: 2", "ratio: 1234", "", "no file"]
+    assert part.found == found
 
 
 def test_statements_about_one_or_two_algorithms_name_them():
@@ -507,10 +560,10 @@ def words(figure):
     return set(lines) | {word for line in lines for word in line.split()}
 
 
-def test_no_file_leaves_29_statements_untested():
+def test_no_file_leaves_all_statements_untested():
     (section,) = thesis_figures.sections([])
     title = section.parts[0].title
-    assert title == "Of the thesis's 29 statements the data confirm 0 and refute 0; 29 cannot be tested"
+    assert title == "Of the thesis's 57 statements the data confirm 0 and refute 0; 57 cannot be tested"
     assert sum(text.startswith("No file of a ") for text in texts([section])) == 3
 
 
@@ -557,7 +610,7 @@ HOSTILE = {
 @pytest.mark.parametrize("run", HOSTILE.values(), ids=HOSTILE)
 def test_what_cannot_be_drawn_is_said_and_nothing_raises(run):
     found = thesis_figures.sections([run])
-    assert isinstance(found[-1].parts[0], Table)
+    assert isinstance(found[-1].parts[0], Verdicts)
     for one in figures(found):
         assert "nan" not in words(one)
         assert one.title and "nan" not in one.title and one.caption.count("n = ") == 1, one.title
@@ -604,6 +657,6 @@ def test_missing_groups_are_said_and_nothing_raises(result_file, tmp_path, group
         for group in groups:
             del file[group]
     found = thesis_figures.sections([load(path)])
-    assert isinstance(found[-1].parts[0], Table)
+    assert isinstance(found[-1].parts[0], Verdicts)
     assert bool(figures(found)) == (not why)
     assert any(why in text for text in texts(found))

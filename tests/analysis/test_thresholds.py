@@ -7,6 +7,7 @@ FIXED = {
     "NEARLY_ALL": 0.9, "MOST": 0.5, "NOTICED": 1 / 3, "RARE": 0.1, "POOR_ERROR": 1 / 3, "PRACTICALLY": 0.05,
     "COINCIDE": 0.05, "THIN": 1 / 3, "PARALLEL": 0.999, "ABOUT": 0.2, "WITHIN": 0.25, "FOLLOWS": 0.5,
     "SQUARE": (1.7, 2.3), "SQUARE_FROM": 10,
+    "NEAR": 0.2, "HIGH_ERROR": 0.2, "NEARLY_AS": 0.1, "MARKEDLY": 1.5, "COMPARABLE": 1.5, "VERY_ALIKE": 0.8,
 }  # fmt: skip
 
 

@@ -11,5 +11,6 @@ Product noise_product();
 Product passes_product();
 Product extremes_product();
 Product proxies_product();
+Product machines_product();
 
 }  // namespace pipeline
