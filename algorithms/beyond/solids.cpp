@@ -5,7 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "algorithms/deciding.hpp"
+#include "algorithms/parts/deciding.hpp"
 #include "geometry/decision/contain.hpp"
 
 namespace algorithms {
