@@ -202,8 +202,7 @@ def in_javascript(run):
     """[label of C++, label of JavaScript]: the same method in both languages and by the same procedure, timed on one
     machine and build."""
     answers, timed = run.meta["answers"], set(comparable(run)) - set(twins(run))
-    theirs = {told["name"]: label for label, told in answers.items()
-              if told.get("language", "").startswith("JavaScript") and told["name"] in KEYS.values()}
+    theirs = {KEYS[letter]: label for letter, label in javascript(run).items()}
     return [(label, theirs[told["name"]]) for label, told in answers.items()
             if not told.get("transport") and told["name"] in theirs and {label, theirs[told["name"]]} <= timed]
 
