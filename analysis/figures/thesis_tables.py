@@ -261,8 +261,8 @@ def languages_figure(run, kind, name):
     title += "both answer alike on every pair" if same == 1 else alike
     what = (
         f"The same methods in both languages, timed in turn on the same {run.meta['steps']} steps; numbers are"
-        " JavaScript's time over that of C++, in brackets the 95 % interval where there are steps enough. What C++ gains"
-        " by an index is left out; its vector instructions and orders that learn are not."
+        " JavaScript's time over that of C++, in brackets the 95 % interval where there are steps enough. What C++"
+        " gains by an index is left out; its vector instructions and orders that learn are not."
     )
     table_name = f"table {TABLE[kind]}" if kind in TABLE else "section 6.1"
     return Figure(title, svg_of(fig), caption(run, what, table_name), table, name)
