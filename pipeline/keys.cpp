@@ -93,6 +93,11 @@ constexpr KeyText kTexts[] = {
      true},
     {"scene.body.N.position", "m", "of a fixed body; else one row of the CSV at step 0", true},
     {"scene.body.N.orientation", "1", "of a fixed body, w, x, y, z"},
+    {"scene.robot.N.name", "1", "what stands before the name of each link, with a point; without it nothing", true},
+    {"scene.robot.N.urdf", "1", "URDF of the robot: each link with a <collision> is a body", true},
+    {"scene.robot.N.joints", "1", "CSV of the values of its joints, by their names; rad or m", true},
+    {"scene.robot.N.position", "m", "where its root stands"},
+    {"scene.robot.N.orientation", "1", "of its root, w, x, y, z"},
     {"scene.pairs", "1", "pairs of shapes"},
     {"scene.scales", "m", "sizes of the bodies"},
     {"scene.offsets", "m", "coordinates at which they stand"},
@@ -187,7 +192,8 @@ const std::multimap<std::string, std::string> kMore = {
     {"replay",
      "poses = 'p.csv'\neuler = 'xyz'\n[[scene.body]]\nname = 'a'\nmesh = 'a.glb'\nnode = 'b'\nposes = "
      "'a.txt'\n[[scene.body]]\nname = 'b'\nshape = 'sphere'\n"
-     "radius = 1\nfixed = true\nposition = [0, 0, 0]\norientation = [1, 0, 0, 0]\n"},
+     "radius = 1\nfixed = true\nposition = [0, 0, 0]\norientation = [1, 0, 0, 0]\n[[scene.robot]]\nurdf = "
+     "'a.urdf'\njoints = 'j.csv'\n"},
     {"replay", "motion = 'm.h5'\n"},
 };
 const std::multimap<std::string, std::string> kShapeTexts = {

@@ -3,11 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from analysis.tables import engines, pareto
-from analysis.figures.drawing import digits, guarded, log_seconds, shortened, time_text
-from analysis.figures.study import space
-from analysis.figures.figure import FALSE_POSITIVE, MISSED, Figure, Points, Section, Table, figure, slug, svg_of
-from analysis.words import counted, listed, number, verb
+from ..tables import engines, pareto
+from .drawing import digits, guarded, log_seconds, shortened, time_text
+from .study import space
+from .figure import FALSE_POSITIVE, MISSED, Figure, Points, Section, Table, figure, slug, svg_of
+from ..words import counted, listed, number, verb
 
 LEAST = 2  # labels: with fewer there is nothing to compare
 CONTAINED = "#B8B8B8"
@@ -137,7 +137,8 @@ def by_margin(answered):
 def languages(answered):
     known = answered[(answered["language"] != "") & (answered["time_mean_ns"] > 0)]
     word = [language.split()[0].rstrip(",") for language in known["language"]]
-    kinds = {name: mine.sort_values("time_mean_ns").iloc[0] for name, mine in known.groupby(pd.Series(word, known.index), sort=False)}
+    grouped = known.groupby(pd.Series(word, known.index), sort=False)
+    kinds = {name: mine.sort_values("time_mean_ns").iloc[0] for name, mine in grouped}
     if len(kinds) < 2:
         return []
     each = [f"{row.name} in {name} ({time_text(row['time_mean_ns'])})" for name, row in kinds.items()]
@@ -246,7 +247,8 @@ def extremes_points(run, name):
     labels = list(found.index.get_level_values("label").unique())
     never = [label for label in labels if (found.loc[label, ["misses", "reports"]] == 0).all(axis=None)]
     if never:
-        told.append(f"On boxes, spheres and capsules {listed(never)} {verb(never, 'errs', 'err')} at no gap and no offset.")
+        told.append(f"On boxes, spheres and capsules {listed(never)} {verb(never, 'errs', 'err')} at no gap and no "
+                    "offset.")
     for label in (label for label in labels if label not in never):
         told.append(f"{label} " + "; ".join(f"{words}: {begin_text(found.loc[(label, offset)])}" for words, offset in (
             ("near the origin" if near == 0 else f"{near:g} m from the origin", near),
@@ -276,6 +278,6 @@ def extremes_table(run):
     caption = ("Cases of bodies of about a metre: boxes, spheres and capsules, then all other shapes, which are not "
                "convex, lie in another or have no volume. Deepest missed: the greatest depth by which two bodies meet "
                "that are not reported; farthest reported: the greatest gap of a pair that is reported and does not "
-               "meet; 0: none. What a hull or a box adds to a body counts as reported. Distances of far cases are those of the "
-               "bodies as rounded there.")
+               "meet; 0: none. What a hull or a box adds to a body counts as reported. Distances of far cases are those "
+               "of the bodies as rounded there.")
     return Table(title, frame, caption)

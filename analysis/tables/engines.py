@@ -9,7 +9,7 @@ import json
 import numpy as np
 import pandas as pd
 
-from analysis.tables import extremes, pareto
+from . import extremes, pareto
 
 NOT_SAID = "not said"
 # Of a scene of extremes the pairs of shapes that every engine is made for: convex, with a volume, none in another.

@@ -113,9 +113,9 @@ const measure = (() => {
     }
   }
 
-  // { segments: [[p, q], ...] where the surfaces cross, pairs: how many triangle pairs do, gap: { distance, from, to }
+  // { segments: [[p, q], ...] where the surfaces cross, pairs: how many pairs of triangles do, gap: { distance, from, to }
   // when none does }; null when the meshes are too large.
-  return function (one, other) {
+  function measure(one, other) {
     if ((one.index.length / 3) * (other.index.length / 3) > MOST_TRIANGLE_PAIRS) return null;
     const a = triangles(one.index, one.vertex),
       b = triangles(other.index, other.vertex);
@@ -148,5 +148,7 @@ const measure = (() => {
         if (away(s, t.middle) < reach * reach) nearest(s, t, gap);
       }
     return { segments, pairs, gap };
-  };
+  }
+
+  return Object.assign(measure, { between });
 })();

@@ -33,7 +33,8 @@
   const name = (body) => data.bodies[body].name;
   const listed = data.containment === "record" ? ["fn", "fp", "inside", "tp"] : ["fn", "fp", "tp"];
 
-  // x y z of the middle of the body's mesh, in drawn coordinates (data.unit metres about data.centre); null when it is not there.
+  // x y z of the middle of the body's mesh, in drawn coordinates (data.unit metres about data.centre); null when it is
+  // not there.
   function place(body, k = state.k) {
     const i = 7 * (k * data.bodies.length + body);
     return isFinite(poses[i + 4]) && isFinite(poses[i]) ? [poses[i + 4], poses[i + 5], poses[i + 6]] : null;
@@ -229,7 +230,8 @@
     const kind = kindOf(pair),
       [a, b] = pair,
       rows = [];
-    const here = place(a) && place(b);
+    const here = place(a) && place(b),
+      asked = isAsked(pair);
     const head = element(
       "div",
       { style: "display:flex;gap:7px;align-items:center" },
@@ -242,20 +244,26 @@
       "truth",
       !here
         ? "not both are there at this step"
-        : within
-          ? "one lies inside the other"
-          : met
-            ? "they meet"
-            : "they do not meet",
+        : !asked
+          ? "not asked about: " +
+            (pair.every((b) => data.bodies[b].fixed) ? "two fixed bodies are no pair" : "neither body was chosen")
+          : within
+            ? "one lies inside the other"
+            : met
+              ? "they meet"
+              : "they do not meet",
     ]);
     if (measured && measured.pairs)
       rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn in black`]);
     else if (measured && measured.gap)
-      rows.push(["surfaces", `${number(measured.gap.distance * data.unit)} m apart${within ? " (inside)" : ""}, drawn in black`]);
+      rows.push([
+        "surfaces",
+        `${number(measured.gap.distance * data.unit)} m apart${within ? " (inside)" : ""}, drawn in black`,
+      ]);
     return [
       head,
       table(rows),
-      ...(here ? [...why(pair, met), everyone(pair, met)] : []),
+      ...(here && asked ? [...why(pair, met), everyone(pair, met)] : []),
       element(
         "div",
         { class: "row" },
@@ -266,6 +274,9 @@
       ),
     ];
   }
+
+  const isAsked = ([a, b]) =>
+    !(data.bodies[a].fixed && data.bodies[b].fixed) && (data.bodies[a].asked || data.bodies[b].asked);
 
   // What an algorithm of the file says of a pair at this step, and of what kind that is when it is wrong.
   function says(one, pair, met) {
@@ -284,28 +295,51 @@
     const { hit, wrong } = says(one, pair, met);
     const filter = seen.filter;
     let because = seen.because;
-    if (filter && filter.answer.hit === false)
-      because = `because its prefilter ${filter.name} is: ${filter.answer.because}`;
-    const made = element("div", { class: "why" }, element("strong", {}, one.label, " ", verb(hit), " ", wrong ? sign(wrong) : ""));
+    if (seen.stopped) because = `because its prefilter ${filter.name} is: ${filter.answer.because}`;
+    const made = element(
+      "div",
+      { class: "why" },
+      element("strong", {}, one.label, " ", verb(hit), " ", wrong ? sign(wrong) : ""),
+    );
     made.append(element("div", {}, because));
     if (seen.hit !== null && seen.hit !== hit)
-      made.append(element("div", { class: "soft" }, `Computed again here it ${seen.hit ? "would report it" : "would be silent"}: the comparison is decided by the last bits of its numbers, or by what this page does not have.`));
-    if (state.sees && sees.what(one.name))
+      made.append(
+        element(
+          "div",
+          { class: "soft" },
+          `Computed again here it ${seen.hit ? "would report it" : "would be silent"}: the comparison is decided by the ` +
+            "last bits of its numbers, or by what this page does not have.",
+        ),
+      );
+    if (state.sees && (sees.what(one.name) || meshes.some((mesh) => mesh.proxies[one.label])))
       made.append(
         element(
           "div",
           { class: "soft drawn" },
-          `Drawn: ${sees.what(one.name)}, `,
+          `Drawn: ${sees.what(one.name) || "what stands for the meshes"}, `,
           element("span", { class: "key first" }),
           ` of ${name(pair[0])}, `,
           element("span", { class: "key second" }),
-          ` of ${name(pair[1])}; `,
+          ` of ${name(pair[1])}${seen.stopped ? `, thin what ${filter.name} compares` : ""}; `,
           element("span", { class: "key decides" }),
           " what decides.",
         ),
       );
-    if (filter) made.append(table([[`${filter.name} first`, `${verb(filter.answer.hit !== false)}: ${filter.answer.because}`], ...filter.answer.rows]));
-    const own = filter && filter.answer.hit === false ? [[`${one.name} alone`, seen.own === null ? seen.because : `would ${seen.own ? "report it" : "be silent"}: ${seen.because}`]] : [];
+    if (filter)
+      made.append(
+        table([
+          [`${filter.name} first`, `${verb(filter.answer.hit !== false)}: ${filter.answer.because}`],
+          ...(seen.stopped ? filter.answer.rows : []),
+        ]),
+      );
+    const own = seen.stopped
+      ? [
+          [
+            `${one.name} alone`,
+            seen.own === null ? seen.because : `would ${seen.own ? "report it" : "be silent"}: ${seen.because}`,
+          ],
+        ]
+      : [];
     if (own.length || seen.rows.length) made.append(table([...own, ...seen.rows]));
     return [made];
   }
@@ -322,7 +356,12 @@
           .map(({ one, i, wrong }) =>
             element(
               "button",
-              { class: "chip", "data-says": hit ? "reports" : "silent", "aria-pressed": String(i === state.algorithm), onclick: () => setAlgorithm(i) },
+              {
+                class: "chip",
+                "data-says": hit ? "reports" : "silent",
+                "aria-pressed": String(i === state.algorithm),
+                onclick: () => setAlgorithm(i),
+              },
               one.label,
               wrong ? sign(wrong) : "",
             ),
@@ -473,28 +512,16 @@
   const there = (k = state.k) => data.bodies.map((_, b) => body(b, k) || undefined);
 
   function compared(one, [a, b], all = there(), short = false) {
-    return sees.compare(one.name, one.given, all[a], all[b], all, short);
+    return sees.compare(one.name, one.given, all[a], all[b], { all, label: one.label, short });
   }
 
-  // What the algorithm sees of a body, as sees.view() tells it, and what stands for its mesh in the file.
+  // What the algorithm sees of a body, as sees.view() tells it; and what its prefilter sees, where that stopped the pair.
   function viewed(b) {
     const one = algorithm(),
       here = body(b, state.k);
-    if (!one || !here) return {};
-    const found = { lines: [], faces: [], points: [], balls: [], ...sees.view(one.name, one.given, here) },
-      proxy = here.mesh.proxies[one.label];
-    if (!proxy) return found;
-    const at = (flat, i) => sees.placed(here, flat.subarray(3 * i, 3 * i + 3));
-    if (proxy.balls)
-      for (let i = 0; i < proxy.balls.length; i += 4)
-        found.balls.push([[...sees.placed(here, proxy.balls.subarray(i, i + 3))], proxy.balls[i + 3]]);
-    if (proxy.index)
-      for (let i = 0; i < proxy.index.length; i += 3) {
-        const corners = [0, 1, 2].map((c) => [...at(proxy.corners, proxy.index[i + c])]);
-        found.faces.push(corners);
-        found.lines.push(...[0, 1, 2].map((c) => [corners[c], corners[(c + 1) % 3]]));
-      }
-    return found;
+    if (!one || !here) return [{}, {}];
+    const stopped = seen && seen.stopped;
+    return [sees.view(one.name, one.given, here, one.label), stopped ? sees.view(seen.filter.name, {}, here) : {}];
   }
 
   function choose(bodies, near = false) {
@@ -543,13 +570,27 @@
     for (const kind of ["fn", "fp"]) {
       const { total, first, most, many } = whole[kind];
       const line = element("div", { class: "row" }, sign(kind), `${total.toLocaleString("en")} in the whole run`);
-      if (first !== null) line.append(link(kind, first, first === most ? `first and most, ${many}: step ${first}` : `first: step ${first}`));
+      if (first !== null)
+        line.append(
+          link(kind, first, first === most ? `first and most, ${many}: step ${first}` : `first: step ${first}`),
+        );
       if (first !== most) line.append(link(kind, most, `most, ${many}: step ${most}`));
       box.append(line);
     }
     if (!far.size) return;
     const lines = [...far].sort((p, q) => p - q).map((step) => element("code", {}, command(step)));
-    box.append(element("details", {}, element("summary", {}, `Not in this page: step${far.size > 1 ? "s" : ""} ${[...far].sort((p, q) => p - q).join(", ")}`), ...lines));
+    box.append(
+      element(
+        "details",
+        {},
+        element(
+          "summary",
+          {},
+          `Not in this page: step${far.size > 1 ? "s" : ""} ${[...far].sort((p, q) => p - q).join(", ")}`,
+        ),
+        ...lines,
+      ),
+    );
   }
 
   // Goes to a step and to its first pair of the kind.
@@ -578,7 +619,8 @@
       choose,
       now: () => now,
       measured: () => measured,
-      seen: () => (state.sees && state.chosen ? { bodies: state.chosen.map(viewed), marks: seen ? seen.marks : {} } : null),
+      seen: () =>
+        state.sees && state.chosen ? { bodies: state.chosen.map(viewed), marks: seen ? seen.marks : {} } : null,
       toDrawn,
       contained: () => contained.at(state.k),
     });
@@ -610,7 +652,8 @@
     next_fp: () => goWrong(1, ["fp"]),
   };
   for (const [id, act] of Object.entries(actions)) $(id).addEventListener("click", act);
-  for (const id of ["back", "forth", "previous_fn", "next_fn", "previous_fp", "next_fp"]) $(id).addEventListener("click", () => play(false));
+  for (const id of ["back", "forth", "previous_fn", "next_fn", "previous_fp", "next_fp"])
+    $(id).addEventListener("click", () => play(false));
   $("speed").addEventListener("change", () => state.playing && play(true));
 
   function setAlgorithm(index) {
@@ -726,7 +769,7 @@
       const [fp, fn, inside] = [one.fp, one.fn, one.inside].map((list) => keys(list.at(k)));
       for (let a = 0; a < all.length; ++a)
         for (let b = a + 1; b < all.length; ++b) {
-          if (!all[a] || !all[b] || (all[a].fixed && all[b].fixed)) continue;
+          if (!all[a] || !all[b] || !isAsked([a, b])) continue;
           const pair = [a, b],
             id = key(pair),
             said = fp.has(id) || inside.has(id) || (met.has(id) && !fn.has(id)),
@@ -749,7 +792,13 @@
     measured: () => measured,
     seen: () => seen,
     viewed,
+    body: (b) => body(b, state.k),
     recount,
+    rest: () =>
+      new Promise((done) => {
+        const look = () => requestAnimationFrame(picture && !picture.still() ? look : done);
+        look();
+      }),
     drawn: (b) => Array.from({ length: meshes[data.bodies[b].mesh].vertices.length / 3 }, (_, i) => solid(b).vertex(i)),
     name,
     pixel: (b) => picture.pixel(b),

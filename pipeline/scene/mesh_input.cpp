@@ -18,13 +18,6 @@ std::string counted(std::size_t n, const std::string& one, const std::string& ma
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
-/// A name with what no label may have as '_'.
-std::string label_of(std::string name) {
-  for (char& c : name)
-    if (!valid_label(std::string(1, c)) && c != '.') c = '_';
-  return name;
-}
-
 /// Says what the parity rule makes hollow.
 void note_hollows(const geometry::Mesh& mesh, const geometry::Solid& solid, const std::string& file,
                   SceneConfig& config) {
@@ -41,6 +34,12 @@ void note_hollows(const geometry::Mesh& mesh, const geometry::Solid& solid, cons
 }
 
 }  // namespace
+
+std::string label_of(std::string name) {
+  for (char& c : name)
+    if (!valid_label(std::string(1, c)) && c != '.') c = '_';
+  return name;
+}
 
 std::string place_of(const Section& s, const char* key) { return s.place(key) + ": '" + s.full(key) + "'"; }
 
@@ -68,19 +67,6 @@ namespace {
 
 void note(SceneConfig& config, const std::string& said) {
   if (!said.empty()) config.notes.push_back(said);
-}
-
-/// A file of nodes, and those beside it that it names, once.
-const geometry::NodeFile& read_nodes(SceneConfig& config, const MeshFile& file, NodeFiles& known) {
-  if (const auto found = known.find(file.file); found != known.end()) return found->second;
-  const Input input = read_input(config, file.file, file.place);
-  const auto beside = [&](const std::string& name) {
-    const std::filesystem::path written = std::filesystem::path(file.file).parent_path() / name;
-    return read_input(config, written.string(), file.place).bytes;
-  };
-  geometry::NodeFile nodes = geometry::parse_nodes(input.bytes, input.path, beside);
-  note(config, nodes.said);
-  return known.emplace(file.file, std::move(nodes)).first->second;
 }
 
 /// Turned so that `up` is y: exactly, by exchanging coordinates.
@@ -129,7 +115,7 @@ MeshInput read_mesh(SceneConfig& config, const MeshFile& file, const std::string
     MeshInput out;
     std::string said;
     if (geometry::is_node_file(file.file)) {
-      const geometry::NodeFile& nodes = read_nodes(config, file, known);
+      const geometry::NodeFile& nodes = read_nodes(config, file.file, file.place, known);
       if (file.node.empty())
         out = {.mesh = geometry::whole_mesh(nodes, name, &said), .path = nodes.file, .pose = {}};
       else
@@ -149,7 +135,7 @@ MeshInput read_mesh(SceneConfig& config, const MeshFile& file, const std::string
 std::vector<MeshInput> read_parts(SceneConfig& config, const MeshFile& file, const std::string& prefix,
                                   NodeFiles& known) {
   try {
-    const geometry::NodeFile& nodes = read_nodes(config, file, known);
+    const geometry::NodeFile& nodes = read_nodes(config, file.file, file.place, known);
     std::map<std::string, std::string> taken;  // the node, by the name of its body
     std::vector<MeshInput> out;
     for (std::size_t i = 0; i < nodes.nodes.size(); ++i) {

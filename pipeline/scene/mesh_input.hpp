@@ -1,15 +1,14 @@
 // Files that a scene's keys name.
 #pragma once
 #include <array>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/decision/contain.hpp"
 #include "geometry/mesh.hpp"
-#include "geometry/meshes/nodes.hpp"
 #include "pipeline/scene/document.hpp"
+#include "pipeline/scene/node_input.hpp"
 #include "pipeline/scene/scene_config.hpp"
 
 namespace pipeline {
@@ -42,8 +41,8 @@ struct MeshInput {
   std::optional<geometry::Pose> pose;  // of a node: where it stands in the file
 };
 
-/// Files of nodes that were read already.
-using NodeFiles = std::map<std::string, geometry::NodeFile>;
+/// A name of others with what no label may have as '_'.
+std::string label_of(std::string name);
 
 /// The mesh in such a file; notes what was left out or guessed. Throws Error(kInput).
 MeshInput read_mesh(SceneConfig& config, const MeshFile& file, const std::string& name, NodeFiles& known);

@@ -36,7 +36,7 @@ class Finder {
 
   PoseColumns found() {
     for (std::size_t i = 0; i < header_.size(); ++i) sort(i, column_name(header_[i]));
-    if (out_.step == kNoColumn && out_.time == kNoColumn) fail_("has neither a column 'step' nor 'time'" + names());
+    if (!out_.when.any()) fail_("has neither a column 'step' nor 'time'" + names());
     place_rotation();
     place_position();
     return out_;
@@ -45,12 +45,7 @@ class Finder {
  private:
   void sort(std::size_t i, const ColumnName& column) {
     const std::string& name = column.name;
-    if (name == "step" || name == "frame") return one(out_.step, i);
-    if (name == "time" || name == "timestamp") {
-      one(out_.time, i);
-      out_.time_unit_named = !column.unit.empty();
-      return unit(i, column.unit, kTimes, out_.time_unit);
-    }
+    if (when_column(header_[i], i, out_.when, fail_)) return;
     if (name == "body" || name == "name" || name == "object") return one(out_.body, i);
     if (name == "roll" || name == "pitch" || name == "yaw")
       fail_(quoted(header_[i]) + " does not say about which axis it turns; name it rx, ry or rz, with its unit");
@@ -219,6 +214,22 @@ ColumnName column_name(std::string_view written) {
   return out;
 }
 
+bool when_column(std::string_view written, std::size_t i, WhenColumns& when, const Fail& fail) {
+  const auto [name, unit] = column_name(written);
+  const bool step = name == "step" || name == "frame";
+  if (!step && name != "time" && name != "timestamp") return false;
+  std::size_t& place = step ? when.step : when.time;
+  if (place != kNoColumn) fail("a second column, " + quoted(written) + ", is of the " + (step ? "step" : "time"));
+  place = i;
+  if (step || unit.empty()) return true;
+  if (const auto found = kTimes.find(unit); found != kTimes.end())
+    when.time_unit = found->second;
+  else
+    fail("the unit of " + quoted(written) + " must be one of ms, ns, s, us");
+  when.time_unit_named = true;
+  return true;
+}
+
 PoseColumns pose_columns(const std::vector<std::string_view>& header, const Fail& fail) {
   return Finder(header, fail).found();
 }
@@ -230,9 +241,9 @@ std::string text_of(const PoseColumns& columns, const std::vector<std::string_vi
     return out + ")";
   };
   std::string out;
-  if (columns.step != kNoColumn) out += "step";
-  if (columns.time != kNoColumn)
-    out += (out.empty() ? "" : ", ") + std::string("time in ") + unit_text(kTimes, columns.time_unit);
+  if (columns.when.step != kNoColumn) out += "step";
+  if (columns.when.time != kNoColumn)
+    out += (out.empty() ? "" : ", ") + std::string("time in ") + unit_text(kTimes, columns.when.time_unit);
   if (columns.body != kNoColumn) out += ", body";
   out += ", position in " + unit_text(kLengths, columns.length_unit) + named(columns.position, 3);
   switch (columns.rotation) {

@@ -7,17 +7,16 @@
 #include <string_view>
 #include <vector>
 
-namespace pipeline {
+#include "pipeline/scene/step_clock.hpp"
 
-constexpr std::size_t kNoColumn = std::size_t(-1);
+namespace pipeline {
 
 /// The columns of a table, by their place in its header.
 struct PoseColumns {
   enum class Rotation { quaternion, matrix, euler };
 
-  std::size_t step = kNoColumn, time = kNoColumn, body = kNoColumn;
-  double time_unit = 1;          // s
-  bool time_unit_named = false;  // else seconds are meant
+  WhenColumns when;
+  std::size_t body = kNoColumn;
   std::array<std::size_t, 3> position{};
   double length_unit = 1;  // m
   Rotation rotation = Rotation::quaternion;
@@ -31,6 +30,10 @@ struct PoseColumns {
 /// What such a header says. `fail` throws what is missing, twice there or can be meant in two ways.
 PoseColumns pose_columns(const std::vector<std::string_view>& header,
                          const std::function<void(const std::string&)>& fail);
+
+/// Whether the header's column `i`, so written, is of steps or times; then it is put there.
+bool when_column(std::string_view written, std::size_t i, WhenColumns& when,
+                 const std::function<void(const std::string&)>& fail);
 
 /// The same in words: "time in s, body, position in m (tx, ty, tz), quaternion (qw, qx, qy, qz); left out: vx".
 std::string text_of(const PoseColumns& columns, const std::vector<std::string_view>& header);

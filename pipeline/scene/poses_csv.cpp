@@ -19,13 +19,11 @@ namespace {
 
 const std::vector<std::string_view> kPlain = {"step", "body", "px", "py", "pz", "qw", "qx", "qy", "qz"};
 const std::vector<std::string_view> kTum = {"time", "tx", "ty", "tz", "qx", "qy", "qz", "qw"};
-// A time without its unit is in seconds; steps so far apart are of another unit, most likely nanoseconds.
-constexpr double kLongStep = 1e4;
 
 class Reader {
  public:
   Reader(std::string_view text, const std::string& file, const std::vector<CsvBody>& bodies, const CsvRules& rules)
-      : csv_(text, file), bodies_(bodies), rules_(rules) {
+      : csv_(text, file), clock_(csv_), bodies_(bodies), rules_(rules) {
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       names_.push_back(bodies[b].name);
       number_.emplace(names_.back(), b);
@@ -50,6 +48,7 @@ class Reader {
              (bodies_[b].rows == CsvBody::first_step
                   ? "; a fixed body has one row at step 0, or its position in the configuration"
                   : ""));
+    motion_.times = clock_.times();
     return std::move(motion_);
   }
 
@@ -65,6 +64,7 @@ class Reader {
     }
     const std::vector<std::string_view>& header = csv_.header();
     columns_ = pose_columns(header, [this](const std::string& what) { fail(what); });
+    clock_.columns = columns_.when;
     motion_.plain = !headless_ && csv_.separator() == ',' && std::ranges::is_permutation(header, kPlain);
     if (columns_.body == kNoColumn && with_rows_ != 1)
       fail("has no column 'body', though it is of " + std::to_string(with_rows_) +
@@ -89,38 +89,10 @@ class Reader {
 
   /// Begins the step of the row when it is a new one.
   void begin_step() {
-    const std::uint64_t next = std::uint64_t(motion_.steps);
-    const bool timed = columns_.time != kNoColumn;
-    double time = 0;
-    if (timed) time = columns_.time_unit * csv_.real(columns_.time, 1e300, "a finite number");
-    std::uint64_t step = next == 0 ? 0 : next - 1;
-    if (columns_.step != kNoColumn)
-      step = csv_.integer(columns_.step);
-    else if (next > 0 && time != motion_.times.back())
-      step = next;
-    if (timed && next > 0) check_time(time, step + 1 > next);
-    if (step + 1 == next) return;
-    if (step < next)
-      fail("step " + std::to_string(step) + " comes after step " + std::to_string(next - 1) + "; steps do not go back");
-    if (step > next)
-      fail(next == 0 ? "steps must begin with 0, not " + std::to_string(step)
-                     : "step " + std::to_string(step) + " comes after step " + std::to_string(next - 1) +
-                           "; no step may be left out");
-    if (next > 0) finish_step();
-    if (timed) motion_.times.push_back(time);
+    if (!clock_.begins()) return;
+    if (motion_.steps > 0) finish_step();
     ++motion_.steps;
     rows_ = 0;
-  }
-
-  void check_time(double time, bool fresh) const {
-    const double last = motion_.times.back();
-    const auto text = [&](double t) { return real_text(t / columns_.time_unit); };
-    if (!fresh && time != last) fail("time " + text(time) + " within a step whose time is " + text(last));
-    if (fresh && !(time > last)) fail("time " + text(time) + " comes after " + text(last) + "; times must increase");
-    if (fresh && !columns_.time_unit_named && time - last > kLongStep)
-      fail("the time is " + text(time - last) +
-           " after the step before, in seconds when nothing is said: name the "
-           "column time_ns, or time_s if it is meant so");
   }
 
   bool has_row(std::size_t body) const { return motion_.tracks[body].first >= 0; }
@@ -232,6 +204,7 @@ class Reader {
   std::string tolerance_text() const { return real_text(rules_.tolerance); }
 
   CsvReader csv_;
+  StepClock clock_;
   PoseColumns columns_;
   bool headless_ = false;
   const std::vector<CsvBody>& bodies_;

@@ -208,6 +208,8 @@ TEST(Hello, SaysAllAndIsReadBack) {
   About about{.name = "mine",
               .version = "1.2",
               .language = "C++",
+              .tests = "hulls",
+              .licence = "MIT",
               .precision = "single",
               .promise = algorithms::Promise::conservative,
               .scope = algorithms::Scope::scene,
@@ -220,6 +222,8 @@ TEST(Hello, SaysAllAndIsReadBack) {
   EXPECT_EQ(back.name, "mine");
   EXPECT_EQ(back.version, "1.2");
   EXPECT_EQ(back.language, "C++");
+  EXPECT_EQ(back.tests, "hulls");
+  EXPECT_EQ(back.licence, "MIT");
   EXPECT_EQ(back.precision, "single");
   EXPECT_EQ(back.promise, algorithms::Promise::conservative);
   EXPECT_EQ(back.scope, algorithms::Scope::scene);
@@ -232,7 +236,7 @@ TEST(Hello, SaysAllAndIsReadBack) {
   const About least = about_in(R"({"protocol": 1, "name": "m"})");
   EXPECT_EQ(least.promise, algorithms::Promise::none);
   EXPECT_EQ(least.memory_bytes, -1);
-  EXPECT_EQ(least.operations_unit, "");
+  EXPECT_EQ(least.operations_unit + least.tests + least.licence, "");
 }
 
 TEST(Hello, IsRefusedWithItsKeyAndRule) {

@@ -16,12 +16,11 @@ export function cannon(name, tests, {sap = false, narrow = false} = {}) {
     const C = await import('cannon-es');
     const space = new C.World(), first = [], second = [];
     space.broadphase = sap ? new C.SAPBroadphase(space) : new C.NaiveBroadphase();
-    const made = bodies.map(({mesh, fixed}) => {
-      const body = new C.Body({mass: fixed ? 0 : 1});
+    const made = bodies.map(({mesh, fixed}, i) => {
+      const body = Object.assign(new C.Body({mass: fixed ? 0 : 1}), {number: i});
       for (const [shape, offset] of shapes(C, mesh, narrow)) body.addShape(shape, offset);
       return body;
     });
-    const number = new Map(made.map((body, i) => [body, i]));
     const place = (i, pose, at) => {
       const body = made[i];
       body.position.set(pose[at], pose[at + 1], pose[at + 2]);
@@ -39,12 +38,12 @@ export function cannon(name, tests, {sap = false, narrow = false} = {}) {
     let contacts = [], pool = [];
     const report = hit => {
       pairs();
-      if (!narrow) return first.forEach((body, i) => hit(number.get(body), number.get(second[i])));
+      if (!narrow) return first.forEach((body, i) => hit(body.number, second[i].number));
       [contacts, pool] = [[], contacts];
       space.narrowphase.getContacts(first, second, space, contacts, pool, [], []);
-      for (const {bi, bj} of contacts) hit(number.get(bi), number.get(bj));
+      for (const {bi, bj} of contacts) hit(bi.number, bj.number);
     };
     const memory = {remember: () => kept = space.broadphase.axisList, forget: () => kept = []};
-    return {place, report, ...(sap ? memory : {})};
+    return {place, report, once: !narrow, ...(sap ? memory : {})};
   });
 }

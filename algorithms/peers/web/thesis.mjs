@@ -169,10 +169,11 @@ function unparted(grid, p, i, q, j) {
 
 // ---- Turned boxes -----------------------------------------------------------------------------------------------
 
-/** Points, x y z after each other, turned about a centre by x, then y, then z. */
-function turn(points, [cx, cy, cz], [ex, ey, ez]) {
-  const sx = Math.sin(ex), kx = Math.cos(ex), sy = Math.sin(ey), ky = Math.cos(ey), sz = Math.sin(ez), kz = Math.cos(ez);
-  const out = new Float64Array(points.length);
+/** Points, x y z after each other, turned into `out` about a centre by x, then y, then z: by the angles of which `trig`
+ *  has sine and cosine each, or by the negated ones (sign = -1). */
+function turn(points, centre, trig, sign, out) {
+  const sx = sign * trig[0], kx = trig[1], sy = sign * trig[2], ky = trig[3], sz = sign * trig[4], kz = trig[5];
+  const cx = centre[0], cy = centre[1], cz = centre[2];
   for (let i = 0; i < points.length; i += 3) {
     const x = points[i] - cx, y = points[i + 1] - cy, z = points[i + 2] - cz;
     const y1 = y * kx - z * sx, z1 = z * kx + y * sx;
@@ -181,7 +182,6 @@ function turn(points, [cx, cy, cz], [ex, ey, ez]) {
     out[i + 1] = y1 * kz + x2 * sz + cy;
     out[i + 2] = z2 + cz;
   }
-  return out;
 }
 
 const sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
@@ -229,12 +229,13 @@ const nine = {
   },
 
   obb_corners(made) {
-    const {corners, centre, angles, half, prepare} = turned_corners(made);
+    const {corners, centre, trig, half, prepare} = turned_corners(made), points = new Float64Array(24);
     const inside = (a, b) => {
-      const points = turn(corners[a], centre[b], angles[b].map(angle => -angle));
+      turn(corners[a], centre[b], trig[b], -1, points);
+      const c = centre[b], h = half[b];
       for (let i = 0; i < 24; i += 3)
-        if (Math.abs(points[i] - centre[b][0]) <= half[b][0] && Math.abs(points[i + 1] - centre[b][1]) <= half[b][1] &&
-            Math.abs(points[i + 2] - centre[b][2]) <= half[b][2]) return true;
+        if (Math.abs(points[i] - c[0]) <= h[0] && Math.abs(points[i + 1] - c[1]) <= h[1] &&
+            Math.abs(points[i + 2] - c[2]) <= h[2]) return true;
       return false;
     };
     return {prepare, meets: (a, b) => inside(a, b) || inside(b, a)};
@@ -336,20 +337,23 @@ async function sampled_triangles(made, world, {stride = 20, inflate = 1.1, trian
   };
 }
 
-/** The corners of boxes about the positions, turned about x, then y, then z. */
+/** The corners of boxes about the positions, turned about x, then y, then z; sines and cosines of the angles. */
 function turned_corners(made) {
-  const half = made.map(half_of), corners = [], centre = [], angles = [];
+  const half = made.map(half_of), columns = count => made.map(() => new Float64Array(count));
+  const corners = columns(24), centre = columns(3), trig = columns(6), box = new Float64Array(24);
   const prepare = there => made.forEach((mesh, body) => {
     if (!there[body]) return;
-    const {x, y, z} = mesh.position, euler = mesh.rotationQuaternion.toEulerAngles(), h = half[body];
-    centre[body] = [x, y, z];
-    angles[body] = [euler.x, euler.y, euler.z];
-    const box = [];
-    for (let i = 0; i < 8; ++i)
-      box.push(x + (i & 4 ? h[0] : -h[0]), y + (i & 2 ? h[1] : -h[1]), z + (i & 1 ? h[2] : -h[2]));
-    corners[body] = turn(box, centre[body], angles[body]);
+    const p = mesh.position, euler = mesh.rotationQuaternion.toEulerAngles(), [hx, hy, hz] = half[body];
+    centre[body].set([p.x, p.y, p.z]);
+    [euler.x, euler.y, euler.z].forEach((angle, i) => trig[body].set([Math.sin(angle), Math.cos(angle)], 2 * i));
+    for (let i = 0; i < 8; ++i) {
+      box[3 * i] = p.x + (i & 4 ? hx : -hx);
+      box[3 * i + 1] = p.y + (i & 2 ? hy : -hy);
+      box[3 * i + 2] = p.z + (i & 1 ? hz : -hz);
+    }
+    turn(box, centre[body], trig[body], 1, corners[body]);
   });
-  return {half, corners, centre, angles, prepare};
+  return {half, corners, centre, trig, prepare};
 }
 
 const about = {name: 'thesis', packages: ['@babylonjs/core'], tests: 'as the method of the thesis whose name it has'};

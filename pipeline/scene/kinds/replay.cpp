@@ -27,7 +27,8 @@ namespace {
 /// What the files of a replayed scene hold.
 struct ReplayInputs {
   geometry::Bodies bodies;
-  std::vector<const ReplayBody*> of;                 // B, of the configuration
+  std::vector<const ReplayBody*> of;                 // B, of the configuration; null: of a robot
+  std::vector<CsvMotion> robots;                     // with a track for each of the B bodies
   std::vector<std::optional<geometry::Pose>> stays;  // B, of fixed bodies whose pose is not in the CSV
   std::vector<BodyFacts> facts;
   CsvMotion csv;
@@ -40,6 +41,14 @@ struct ReplayInputs {
 constexpr Range kAnyCoordinate{.least = -geometry::kGreatestCoordinate, .most = geometry::kGreatestCoordinate};
 
 // ---- Keys --------------------------------------------------------------------------------------------------------
+
+void read_orientation(const Section& s, std::array<double, 4>& q, double tolerance) {
+  s.reals("orientation", q, kAnyCoordinate);
+  const double norm = geometry::norm({q[0], q[1], q[2], q[3]});
+  if (!(std::abs(norm - 1) <= tolerance))
+    s.refuse("orientation", "be a quaternion [w, x, y, z] of length 1 within " + real_text(tolerance),
+             "its length is " + real_text(norm));
+}
 
 void read_mesh_keys(const Section& s, ReplayBody& body) {
   const bool nodes = geometry::is_node_file(body.mesh);
@@ -100,14 +109,28 @@ ReplayBody read_body(const Section& s, double tolerance) {
   if (s.has("position")) s.reals("position", body.position.emplace(), kAnyCoordinate);
   if (s.has("orientation")) {
     if (!body.position) s.fail("missing key '" + s.full("position") + "' beside 'orientation'");
-    auto& q = body.orientation;
-    s.reals("orientation", q, kAnyCoordinate);
-    const double norm = geometry::norm({q[0], q[1], q[2], q[3]});
-    if (!(std::abs(norm - 1) <= tolerance))
-      s.refuse("orientation", "be a quaternion [w, x, y, z] of length 1 within " + real_text(tolerance),
-               "its length is " + real_text(norm));
+    read_orientation(s, body.orientation, tolerance);
   }
   return body;
+}
+
+Robot read_robot(const Section& s, double tolerance) {
+  s.only({"name", "urdf", "joints", "position", "orientation"});
+  Robot robot;
+  robot.name = s.text("name", "");
+  if (s.has("name") && !valid_label(robot.name)) s.refuse("name", kLabelRule);
+  if (!s.has("urdf")) s.fail("missing key '" + s.full("urdf") + "', the file of the robot");
+  robot.urdf = s.text("urdf", "");
+  if (robot.urdf.empty()) s.refuse("urdf", "name a file");
+  robot.place = place_of(s, "urdf");
+  robot.joints = s.text("joints", "");
+  if (s.has("joints")) {
+    if (robot.joints.empty()) s.refuse("joints", "name a CSV file");
+    robot.joints_place = place_of(s, "joints");
+  }
+  s.reals("position", robot.position, kAnyCoordinate);
+  read_orientation(s, robot.orientation, tolerance);
+  return robot;
 }
 
 /// The order of angles, three different axes of one case.
@@ -132,14 +155,14 @@ bool needs_poses(const ReplayScene& scene) {
 }
 
 void read(const Section& s, SceneConfig& config) {
-  s.only({"kind", "poses", "motion", "only", "half_turns", "quaternion_tolerance", "euler", "body"});
+  s.only({"kind", "poses", "motion", "only", "half_turns", "quaternion_tolerance", "euler", "body", "robot"});
   ReplayScene scene;
   scene.only = s.texts("only");
   if (s.has("only") && scene.only.empty()) s.refuse("only", "name at least one body", "leave it out for all pairs");
   if (s.has("only")) scene.only_place = place_of(s, "only");
   if (s.has("motion")) {
     const std::string remedy = "bodies, meshes and poses are those of that result";
-    for (const char* key : {"poses", "half_turns", "quaternion_tolerance", "euler", "body"})
+    for (const char* key : {"poses", "half_turns", "quaternion_tolerance", "euler", "body", "robot"})
       if (s.has(key)) s.refuse(key, "be absent where 'motion' is given", remedy);
     scene.motion = s.text("motion", "");
     if (scene.motion.empty()) s.refuse("motion", "name a result file");
@@ -159,11 +182,15 @@ void read(const Section& s, SceneConfig& config) {
       if (!scene.bodies.back().parts && !taken.insert(scene.bodies.back().name).second)
         t.refuse("name", "be the only one of its name");
     }
-    const bool moved = std::ranges::any_of(scene.bodies, [](const ReplayBody& body) { return !body.poses.empty(); });
+    for (const Section& t : s.sections("robot")) scene.robots.push_back(read_robot(t, scene.rules.tolerance));
+    const bool moved = !scene.robots.empty() ||
+                       std::ranges::any_of(scene.bodies, [](const ReplayBody& body) { return !body.poses.empty(); });
     if (scene.poses.empty() && (needs_poses(scene) || !moved))
       s.fail("missing key '" + s.full("poses") + "', a CSV file; or 'motion', the result of an earlier run");
-    if (scene.bodies.empty()) s.fail("missing [[scene.body]]: name the bodies of the CSV and their meshes");
-    const bool known = std::ranges::none_of(scene.bodies, &ReplayBody::parts);  // else when the files are read
+    if (scene.bodies.empty() && scene.robots.empty())
+      s.fail("missing [[scene.body]]: name the bodies of the CSV and their meshes");
+    // Else when the files are read.
+    const bool known = scene.robots.empty() && std::ranges::none_of(scene.bodies, &ReplayBody::parts);
     for (const std::string& name : scene.only)
       if (known && !taken.contains(name))
         s.refuse("only", "hold names of bodies", hint(name, std::vector<std::string>(taken.begin(), taken.end())));
@@ -199,6 +226,14 @@ void write(const SceneConfig& config, TomlText& out) {
     out.list("position", *body.position);
     out.list("orientation", body.orientation);
   }
+  for (const Robot& robot : scene.robots) {
+    out.table("[[scene.robot]]");
+    if (!robot.name.empty()) out.line("name", robot.name);
+    out.line("urdf", robot.urdf);
+    if (!robot.joints.empty()) out.line("joints", robot.joints);
+    out.list("position", robot.position);
+    out.list("orientation", robot.orientation);
+  }
 }
 
 // ---- Files -------------------------------------------------------------------------------------------------------
@@ -216,7 +251,7 @@ class Bodies {
       for (MeshInput& part : read_parts(config_, file, body.name.empty() ? "" : body.name + ".", nodes_)) {
         const std::string name = part.mesh.name;
         const auto pose = part.pose;
-        add(body, name, new_mesh(body, std::move(part)), pose);
+        add(body, name, new_mesh(name, body.place, std::move(part)), pose);
       }
       return;
     }
@@ -233,19 +268,35 @@ class Bodies {
       } else {
         MeshInput input = read_mesh(config_, file, body.name, nodes_);
         known.pose = input.pose;
-        known.mesh = new_mesh(body, std::move(input));
+        known.mesh = new_mesh(body.name, body.place, std::move(input));
       }
       at = known_.emplace(text.text, known).first;
     }
     add(body, body.name, at->second.mesh, at->second.pose);
   }
 
+  /// Links as bodies. A robot's tracks are of all bodies once all are there (load_poses).
+  void add(const Robot& robot) {
+    LoadedRobot loaded = load_robot(config_, robot, nodes_);
+    std::vector<CsvTrack> tracks(out_.bodies.size());
+    for (std::size_t i = 0; i < loaded.bodies.size(); ++i) {
+      RobotBody& link = loaded.bodies[i];
+      const std::string name = link.input.mesh.name;
+      const std::uint32_t mesh = new_mesh(name, robot.place, std::move(link.input));
+      std::optional<geometry::Pose> stays;
+      if (link.fixed) stays = loaded.motion.tracks[i].poses[0];
+      add(nullptr, name, robot.place, robot.urdf, link.fixed, mesh, stays);
+      tracks.push_back(link.fixed ? CsvTrack{} : std::move(loaded.motion.tracks[i]));
+    }
+    loaded.motion.tracks = std::move(tracks);
+    out_.robots.push_back(std::move(loaded.motion));
+  }
+
   /// Throws Error(kInput) when containment counts and nothing can hold anything.
   void finish() const {
     if (judge_ && config_.containment != Containment::ignore && !any_closed_)
-      throw Error(kInput,
-                  first_open_->first.place + " of body '" + out_.bodies.meshes[first_open_->second.first].name + "': " +
-                      all_open_text(out_.bodies.meshes[first_open_->second.first].name, first_open_->second.second));
+      throw Error(kInput, first_open_->place + " of body '" + first_open_->name +
+                              "': " + all_open_text(first_open_->name, first_open_->solid));
   }
 
  private:
@@ -254,7 +305,7 @@ class Bodies {
     std::optional<geometry::Pose> pose;
   };
 
-  std::uint32_t new_mesh(const ReplayBody& body, MeshInput input) {
+  std::uint32_t new_mesh(const std::string& name, const std::string& place, MeshInput input) {
     const auto at = std::uint32_t(out_.bodies.meshes.size());
     closed_.push_back(false);
     if (judge_) {
@@ -262,7 +313,7 @@ class Bodies {
       note_flaws(input.mesh, solid, input.path, config_);
       any_closed_ |= solid.closed;
       closed_.back() = solid.closed;
-      if (!solid.closed && !first_open_) first_open_.emplace(body, std::pair(at, std::move(solid)));
+      if (!solid.closed && !first_open_) first_open_ = {name, place, std::move(solid)};
     }
     out_.bodies.meshes.push_back(std::move(input.mesh));
     return at;
@@ -270,11 +321,7 @@ class Bodies {
 
   void add(const ReplayBody& body, const std::string& name, std::uint32_t mesh,
            const std::optional<geometry::Pose>& pose) {
-    if (!names_.insert(name).second)
-      throw Error(kInput, body.place + ": another body is named " + in_quotes(one_line(name)) + "; rename one");
-    out_.bodies.add(name, mesh, body.fixed);
-    out_.of.push_back(&body);
-    auto& stays = out_.stays.emplace_back();
+    std::optional<geometry::Pose> stays;
     if (body.position) {
       const auto& t = *body.position;
       const auto& q = body.orientation;
@@ -282,12 +329,22 @@ class Bodies {
     } else if (body.fixed) {
       stays = pose;
     }
+    add(&body, name, body.place, body.mesh, body.fixed, mesh, stays);
+  }
+
+  void add(const ReplayBody* body, const std::string& name, const std::string& place, const std::string& file,
+           bool fixed, std::uint32_t mesh, const std::optional<geometry::Pose>& stays) {
+    if (!names_.insert(name).second)
+      throw Error(kInput, place + ": another body is named " + in_quotes(one_line(name)) + "; rename one");
+    out_.bodies.add(name, mesh, fixed);
+    out_.of.push_back(body);
+    out_.stays.push_back(stays);
     if (!judge_) return;
     const geometry::Mesh& surface = out_.bodies.meshes[mesh];
     const geometry::Box box = geometry::local_box(surface);
     out_.facts.push_back({.name = name,
-                          .mesh = body.mesh,
-                          .fixed = body.fixed,
+                          .mesh = file,
+                          .fixed = fixed,
                           .closed = closed_[mesh],
                           .facets = surface.triangles.size(),
                           .size = box.max - box.min});
@@ -300,7 +357,11 @@ class Bodies {
   std::map<std::string, Known> known_;  // by the keys of the mesh
   std::set<std::string> names_;
   std::vector<bool> closed_;  // by mesh
-  std::optional<std::pair<ReplayBody, std::pair<std::uint32_t, geometry::Solid>>> first_open_;
+  struct Open {
+    std::string name, place;
+    geometry::Solid solid;
+  };
+  std::optional<Open> first_open_;
   bool any_closed_ = false;
 };
 
@@ -318,19 +379,19 @@ void load_table(SceneConfig& config, const ReplayScene& scene, const std::string
   join(motion, std::move(table), input.path);
 }
 
-CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene, const ReplayInputs& inputs) {
+CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene, ReplayInputs& inputs) {
   std::vector<CsvBody> bodies;
   for (std::uint32_t b = 0; b < inputs.bodies.size(); ++b)
-    bodies.push_back({inputs.bodies.name[b], !inputs.of[b]->poses.empty() ? CsvBody::elsewhere
-                                             : !inputs.bodies.fixed[b]    ? CsvBody::every_step
-                                             : inputs.stays[b]            ? CsvBody::none
-                                                                          : CsvBody::first_step});
+    bodies.push_back({inputs.bodies.name[b], inputs.stays[b]                                 ? CsvBody::none
+                                             : !inputs.of[b] || !inputs.of[b]->poses.empty() ? CsvBody::elsewhere
+                                             : !inputs.bodies.fixed[b]                       ? CsvBody::every_step
+                                                                                             : CsvBody::first_step});
   CsvMotion motion;
   motion.tracks.resize(bodies.size());
   if (!scene.poses.empty()) load_table(config, scene, scene.poses, scene.place, bodies, motion);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const ReplayBody& body = *inputs.of[b];
-    if (bodies[b].rows == CsvBody::elsewhere) {
+    if (bodies[b].rows == CsvBody::elsewhere && inputs.of[b]) {
+      const ReplayBody& body = *inputs.of[b];
       CsvMotion own;
       load_table(config, scene, body.poses, body.poses_place, {{body.name}}, own);
       std::vector<CsvTrack> tracks(bodies.size());
@@ -340,6 +401,12 @@ CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene, const Replay
     }
     if (bodies[b].rows == CsvBody::none) motion.tracks[b] = {.first = 0, .stays = true, .poses = {*inputs.stays[b]}};
   }
+  for (std::size_t r = 0; r < inputs.robots.size(); ++r) {
+    CsvMotion& robot = inputs.robots[r];
+    if (robot.steps == 0) continue;  // none of its joints moves
+    join(motion, std::move(robot), (config.path.parent_path() / scene.robots[r].joints).string());
+  }
+  if (motion.steps == 0) throw Error(kInput, scene.robots[0].place + ": nothing moves; give poses or joints that do");
   return motion;
 }
 
@@ -401,6 +468,7 @@ ReplayInputs load(SceneConfig& config, const ReplayScene& scene, bool judge) {
   } else {
     Bodies bodies(config, judge, inputs);
     for (const ReplayBody& body : scene.bodies) bodies.add(body);
+    for (const Robot& robot : scene.robots) bodies.add(robot);
     bodies.finish();
     inputs.csv = load_poses(config, scene, inputs);
     add_doubts(inputs);
@@ -445,7 +513,8 @@ std::vector<Ahead> births_of(const ReplayInputs& inputs) {
 /// The file that says how many steps there are.
 std::string steps_of(const ReplayScene& scene) {
   if (!scene.motion.empty() || !scene.poses.empty()) return scene.motion + scene.poses;
-  return std::ranges::find_if(scene.bodies, [](const ReplayBody& body) { return !body.poses.empty(); })->poses;
+  const auto own = std::ranges::find_if(scene.bodies, [](const ReplayBody& body) { return !body.poses.empty(); });
+  return own == scene.bodies.end() ? scene.robots[0].joints : own->poses;
 }
 
 void complete(SceneConfig& config) {

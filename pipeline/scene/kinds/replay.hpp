@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/scene/poses_csv.hpp"
+#include "pipeline/scene/robot.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/scene/shape_keys.hpp"
 
@@ -34,6 +35,7 @@ struct ReplayScene {
   bool half_turns = false;        // the CSV's quaternions that begin with 0 are meant so
   std::vector<std::string> only;  // empty: every pair counts
   std::vector<ReplayBody> bodies;
+  std::vector<Robot> robots;
   std::string place, only_place;  // of poses or motion, and of only, for messages
   // What is known of the files once they were read (SceneKind::complete):
   std::optional<SceneSize> size;
