@@ -9,7 +9,7 @@ import json
 import numpy as np
 import pandas as pd
 
-from . import extremes, pareto
+from ..tables import extremes, pareto
 
 NOT_SAID = "not said"
 # Of a scene of extremes the pairs of shapes that every engine is made for: convex, with a volume, none in another.
@@ -112,7 +112,8 @@ def begins(run):
     for label in engines(run):
         mine = cases[cases["algorithm"] == label]
         for offset, some in mine.groupby("offset"):
-            well, plain = some[~some["failed"]], some["pair"].isin(PLAIN)
+            well = some[~some["failed"]]
+            plain = well["pair"].isin(PLAIN)
             rows[label, offset] = {"cases": len(some), "failed": int(some["failed"].sum())}
             for start, kind in (("", well[plain]), ("other_", well[~plain])):
                 missed = kind.loc[kind["truth"] & ~kind["reported"] & (kind["gap"] <= 0), "gap"]

@@ -3,10 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from ..tables import engines, pareto
-from .drawing import digits, guarded, log_seconds, shortened, time_text
-from .study import space
-from .figure import FALSE_POSITIVE, MISSED, Figure, Points, Section, Table, figure, slug, svg_of
+from . import answers as engines
+from ..tables import pareto
+from ..figures.drawing import digits, guarded, log_seconds, shortened, time_text
+from ..figures.study import space
+from ..figures.figure import FALSE_POSITIVE, MISSED, Figure, Points, Section, Table, figure, slug, svg_of
 from ..words import counted, listed, number, verb
 
 LEAST = 2  # labels: with fewer there is nothing to compare
@@ -137,7 +138,7 @@ def by_margin(answered):
 def languages(answered):
     known = answered[(answered["language"] != "") & (answered["time_mean_ns"] > 0)]
     word = [language.split()[0].rstrip(",") for language in known["language"]]
-    grouped = known.groupby(pd.Series(word, known.index), sort=False)
+    grouped = known.groupby(pd.Series(word, known.index, dtype=object), sort=False)
     kinds = {name: mine.sort_values("time_mean_ns").iloc[0] for name, mine in grouped}
     if len(kinds) < 2:
         return []
@@ -278,6 +279,6 @@ def extremes_table(run):
     caption = ("Cases of bodies of about a metre: boxes, spheres and capsules, then all other shapes, which are not "
                "convex, lie in another or have no volume. Deepest missed: the greatest depth by which two bodies meet "
                "that are not reported; farthest reported: the greatest gap of a pair that is reported and does not "
-               "meet; 0: none. What a hull or a box adds to a body counts as reported. Distances of far cases are those "
-               "of the bodies as rounded there.")
+               "meet; 0: none. What a hull or a box adds to a body counts as reported. Distances of far cases are "
+               "those of the bodies as rounded there.")
     return Table(title, frame, caption)
