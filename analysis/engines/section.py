@@ -167,18 +167,15 @@ def picture(run, key):
     labels = list(answered.index)
     fig, (left, right_) = figure(1, 2, height=0.3 * len(labels) + 1.5, sharey=True)
     place = np.arange(len(labels))[::-1]
-    foot = np.zeros(len(labels))
-    handles = []
-    for column, colour, name in (("false_negative", MISSED, "missed"),
-                                 ("false_positive", FALSE_POSITIVE, "false positive"),
-                                 ("contained_hit", CONTAINED, "inside, reported")):
-        if column not in answered:
-            continue
+    handles, most = [], 1.0
+    kinds = (("false_negative", MISSED, "missed"), ("false_positive", FALSE_POSITIVE, "false positive"),
+             ("contained_hit", CONTAINED, "inside, reported"))
+    for row, (column, colour, name) in enumerate(kind for kind in kinds if kind[0] in answered):
         width = answered[column].to_numpy(float)
-        handles.append(left.barh(place, width, 0.7, left=foot, color=colour, label=name))
-        foot = foot + width
+        handles.append(left.barh(place + 0.27 * (1 - row), width, 0.26, color=colour, label=name))
+        most = max(most, width.max())
     left.set_xscale("symlog", linthresh=1)
-    left.set(xlabel="pairs over all steps", xlim=(0, max(foot.max(), 1) * 2))
+    left.set(xlabel="pairs over all steps", xlim=(0, 2 * most))
     left.set_yticks(place, shortened(labels, 24).values())
     time = answered["time_mean_ns"].to_numpy(float) / 1e9
     low, high = (answered.get(f"time_mean_{end}_ns", answered["time_mean_ns"]).fillna(answered["time_mean_ns"])
@@ -188,7 +185,7 @@ def picture(run, key):
     right_.set_xlabel("mean time a step")
     log_seconds(right_, "x")
     space(fig, top=0.3)
-    fig.legend(handles=handles, loc="upper center", ncols=3)
+    fig.legend(handles=handles, loc="upper center", ncols=3, frameon=False, fontsize=9)
     never = engines.without_error(answered)
     title = (f"{never[0]} is the fastest of {counted(len(never), 'engine')} without an error" if never else
              "No engine is without an error")
