@@ -8,7 +8,9 @@
 #include "algorithms/beyond/convex_hull.hpp"
 #include "algorithms/beyond/facet_gjk.hpp"
 #include "algorithms/beyond/facet_surface.hpp"
+#include "algorithms/beyond/hulls.hpp"
 #include "algorithms/beyond/octree.hpp"
+#include "algorithms/beyond/proxy.hpp"
 #include "algorithms/beyond/spheres.hpp"
 #include "algorithms/cannon_naive.hpp"
 #include "algorithms/cannon_sap.hpp"
@@ -49,6 +51,8 @@ std::vector<Algorithm> table() {
       convex_hull(),      //
       spheres(),          //
       capsule(),          //
+      hulls(),            //
+      proxy(),            //
       octree(),           //
       all_triangles(),    //
       facet_surface(),    //

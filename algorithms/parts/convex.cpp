@@ -251,6 +251,12 @@ Convex convex_of(std::span<const Vec3> points) {
   return out;
 }
 
+Mesh surface_with_facets(Convex solid) {
+  const auto last = static_cast<std::uint32_t>(solid.surface.vertices.size() - 1);
+  if (solid.surface.triangles.empty()) solid.surface.triangles = {{0, last, last}};
+  return std::move(solid.surface);
+}
+
 std::uint64_t convex_bytes(std::uint64_t corners) {
   constexpr std::uint64_t kEdges = 6;  // of a corner, but for twelve in all, by Euler's formula
   return sizeof(Convex) + corners * (4 * sizeof(Vec3) + 2 * sizeof(Facet) + (1 + kEdges) * sizeof(std::uint32_t));

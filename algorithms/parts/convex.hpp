@@ -37,6 +37,9 @@ struct Convex {
 /// Of at least one point, all finite.
 Convex convex_of(std::span<const Vec3> points);
 
+/// Its surface; a segment or a point as one facet without area.
+Mesh surface_with_facets(Convex solid);
+
 /// Bytes of it for that many corners, about.
 std::uint64_t convex_bytes(std::uint64_t corners);
 
