@@ -6,6 +6,8 @@
 #include "algorithms/beyond/all_triangles.hpp"
 #include "algorithms/beyond/capsule.hpp"
 #include "algorithms/beyond/convex_hull.hpp"
+#include "algorithms/beyond/facet_gjk.hpp"
+#include "algorithms/beyond/facet_surface.hpp"
 #include "algorithms/beyond/hulls.hpp"
 #include "algorithms/beyond/octree.hpp"
 #include "algorithms/beyond/proxy.hpp"
@@ -53,6 +55,8 @@ std::vector<Algorithm> table() {
       proxy(),            //
       octree(),           //
       all_triangles(),    //
+      facet_surface(),    //
+      facet_gjk(),        //
       fcl_bvh(),          //
   };
   std::ranges::move(plugin_peers(), std::back_inserter(out));

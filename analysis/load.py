@@ -29,8 +29,8 @@ import h5py
 import numpy as np
 import pandas as pd
 
-from analysis import intact
-from analysis.tables.intervals import Interval
+from . import intact
+from .tables.intervals import Interval
 
 SCHEMA_VERSION = 1  # the newest that this module knows
 SWEEP = "sweep.json"  # what makes a folder one of a sweep

@@ -61,7 +61,7 @@ TEST(Table, PromisesAreThoseOfTheDesign) {
   }
   EXPECT_EQ(exact, (std::set<std::string>{"exact", "exact_cold"}));
   EXPECT_EQ(conservative, (std::set<std::string>{"obb_sat", "bounding_sphere", "aabb", "cannon_naive", "convex_hull",
-                                                 "spheres", "capsule"}));
+                                                 "octree", "spheres", "capsule"}));
 }
 
 TEST(Table, MethodsWithABroadPhaseSaySo) {
