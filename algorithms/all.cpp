@@ -1,12 +1,23 @@
-// The table of algorithms: one line each, the thesis's nine in its order, then those of other sources.
+// The table of algorithms: one line each, the thesis's nine in its order, then those of other sources and what the
+// thesis wished for.
 #include <algorithm>
 
 #include "algorithms/aabb.hpp"
+#include "algorithms/beyond/all_triangles.hpp"
+#include "algorithms/beyond/capsule.hpp"
+#include "algorithms/beyond/convex_hull.hpp"
+#include "algorithms/beyond/facet_gjk.hpp"
+#include "algorithms/beyond/facet_surface.hpp"
+#include "algorithms/beyond/hulls.hpp"
+#include "algorithms/beyond/octree.hpp"
+#include "algorithms/beyond/proxy.hpp"
+#include "algorithms/beyond/spheres.hpp"
 #include "algorithms/cannon_naive.hpp"
 #include "algorithms/cannon_sap.hpp"
 #include "algorithms/exact.hpp"
 #include "algorithms/exact_cold.hpp"
 #include "algorithms/peers/fcl_bvh.hpp"
+#include "algorithms/peers/plugins.hpp"
 #include "algorithms/thesis/bounding_sphere.hpp"
 #include "algorithms/thesis/facet_distance.hpp"
 #include "algorithms/thesis/facet_rotations.hpp"
@@ -22,7 +33,7 @@ namespace {
 
 /// Every row, missing ones too.
 std::vector<Algorithm> table() {
-  return {
+  std::vector<Algorithm> out = {
       obb_sat(),          //
       bounding_sphere(),  //
       rotated_aabb(),     //
@@ -37,22 +48,34 @@ std::vector<Algorithm> table() {
       cannon_sap(),       //
       exact(),            //
       exact_cold(),       //
+      convex_hull(),      //
+      spheres(),          //
+      capsule(),          //
+      hulls(),            //
+      proxy(),            //
+      octree(),           //
+      all_triangles(),    //
+      facet_surface(),    //
+      facet_gjk(),        //
       fcl_bvh(),          //
   };
+  std::ranges::move(plugin_peers(), std::back_inserter(out));
+  return out;
 }
 
-/// The rows of which this build has the library, or those of which it has not. Any pairwise row that it has may be a
-/// prefilter: only the whole table knows them all.
+/// The rows of which this build has the library, or those of which it has not. Any pairwise row that it has may answer
+/// before or after another: only the whole table knows them all.
 std::vector<Algorithm> rows(bool present) {
   std::vector<Algorithm> out;
-  std::vector<std::string> names = {"none"};
+  std::vector<std::string> names;
   for (Algorithm& row : table()) {
     if (row.make && row.scope == Scope::pair) names.push_back(row.name);
     if ((row.make != nullptr) == present) out.push_back(std::move(row));
   }
   for (Algorithm& row : out)
     for (Knob& knob : row.knobs)
-      if (knob.role == Role::prefilter) knob.choices = names;
+      if (knob.role == Role::prefilter || knob.role == Role::then)
+        knob.choices.insert(knob.choices.end(), names.begin(), names.end());
   return out;
 }
 
@@ -87,6 +110,6 @@ const Algorithm* find(std::string_view name) {
   return own ? own : named(added(), name);
 }
 
-const Algorithm* find_missing(std::string_view name) { return named(missing(), name); }
+const Algorithm* find_missing(std::string_view name) { return named(added(), name) ? nullptr : named(missing(), name); }
 
 }  // namespace algorithms

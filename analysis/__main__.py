@@ -10,13 +10,13 @@ import os
 import sys
 import warnings
 
-from analysis.tables import scenes, study_tables
-from analysis.viewer import viewer
-from analysis.intact import Unvouched
-from analysis.load import SWEEP, load, load_sweep
-from analysis.output import open_standard_descriptors, refuse, say, visible, write
-from analysis.tables.clauses import shown
-from analysis.tables.statements import PUBLISHED, verdicts
+from .tables import scenes, study_tables
+from .viewer import viewer
+from .intact import Unvouched
+from .load import SWEEP, load, load_sweep
+from .output import open_standard_descriptors, refuse, say, visible, write
+from .tables.clauses import shown
+from .tables.statements import PUBLISHED, verdicts
 
 KINDS = ("box", "falling", "playground")
 
@@ -69,8 +69,8 @@ def write_report(paths, output, unsealed=False, figures=None):
         raise NotADirectoryError(f"{figures}: exists and is no folder; --figures names one")
     table = swept(paths)
     runs = [] if table is not None else [read(path, unsealed) for path in paths]
-    from analysis.figures.figure import with_png  # matplotlib is slow to load, and nothing above needs it
-    from analysis.report import report
+    from .figures.figure import with_png  # matplotlib is slow to load, and nothing above needs it
+    from .report import report
 
     with with_png() if figures else contextlib.nullcontext():
         made = report.parts_of(runs) if table is None else report.sweep_parts(table)

@@ -7,7 +7,9 @@
     passes                  the playground: how early or late each algorithm is, one row per pass and algorithm
     physics                 one row per step of an integrated motion
     bodies, motion          one row per body; poses as arrays
+    proxies, proxy(label, mesh)     what methods test in place of meshes, and how far these stick out of it
     study                   one row per case of a study of integrators
+    timed_on, unlike        which machine timed what, of a run that several shared
 
 load_sweep(folder) gives all points of a sweep (scripts/sweep) as one table, a row per point and label.
 
@@ -27,8 +29,8 @@ import h5py
 import numpy as np
 import pandas as pd
 
-from analysis import intact
-from analysis.tables.intervals import Interval
+from . import intact
+from .tables.intervals import Interval
 
 SCHEMA_VERSION = 1  # the newest that this module knows
 SWEEP = "sweep.json"  # what makes a folder one of a sweep
@@ -112,6 +114,34 @@ class Run:
                 return None
             known = file["noise"].attrs
             return Interval(*(float(known[name]) for name in ("ratio", "ratio_low", "ratio_high")))
+
+    @cached_property
+    def timed_on(self):
+        """One row per chunk of steps and algorithm: step (the chunk's first), algorithm (categorical), host, processor;
+        None when the run was one machine's. Who decided the truth of a chunk: host and processor of truth_host,
+        truth_processor."""
+        with self.opened() as file:
+            if "machines" not in file:
+                return None
+            group, labels = file["machines"], self.meta["algorithms"]
+            hosts, processors = group["host"].asstr()[()], group["processor"].asstr()[()]
+            first, truth = group["chunk"][()], np.repeat(group["truth"][()].astype(np.int64), len(labels))
+            answers = self._values(group["answers"]).astype(np.int64).ravel() if labels else truth
+        return pd.DataFrame({
+            "step": np.repeat(first, len(labels)),
+            "algorithm": pd.Categorical.from_codes(np.tile(np.arange(len(labels)), len(first)), labels),
+            "host": hosts[answers], "processor": processors[answers],
+            "truth_host": hosts[truth], "truth_processor": processors[truth],
+        })  # fmt: skip
+
+    @cached_property
+    def unlike(self):
+        """label -> the processors that it was timed on, of labels that were timed on several unlike ones: their times
+        per step are no times of one machine, and their summary has none."""
+        if self.timed_on is None:
+            return {}
+        found = self.timed_on.groupby("algorithm", observed=True)["processor"].unique()
+        return {label: list(processors) for label, processors in found.items() if len(processors) > 1}
 
     @cached_property
     def step_times(self):
@@ -237,6 +267,33 @@ class Run:
                 "facets": [shapes[name][2] for name in mesh],
             }
         return pd.DataFrame(table, index=pd.Index(self.meta["bodies"], name="body"))
+
+    @cached_property
+    def proxies(self):
+        """What methods test in place of meshes: one row per label and mesh; None when no method does.
+
+        Columns: label, mesh, kind ("balls", "capsule", "solids" or "none"), reason (why there is none), parts (balls or
+        closed surfaces); of the vertices of the mesh outside_share (1) and outside_greatest (m, certified), 0 where the
+        proxy holds all of them, NaN where there is none.
+        """
+        with self.opened() as file:
+            if "proxies" not in file:
+                return None
+        table = pd.DataFrame(self._columns("proxies"))
+        return table[table["label"].isin(self.meta["algorithms"])].reset_index(drop=True)
+
+    def proxy(self, label, mesh):
+        """The shape that a label tests in place of a mesh, in the mesh's own frame, m: dict of kind and balls (K,4: x,
+        y, z, radius; of a capsule its two ends), or vertices (V,3), triangles (T,3) and solid_offset (of solid i those
+        from solid_offset[i] to solid_offset[i + 1] - 1). Raises KeyError where there is none.
+        """
+        with self.opened() as file:
+            path = f"meshes/{mesh}/proxies/{label}"
+            if path not in file:
+                raise KeyError(f"{self.path}: '{label}' has nothing in place of mesh '{mesh}'")
+            group = file[path]
+            shape = {name: data[()] for name, data in group.items() if not h5py.h5ds.is_scale(data.id)}
+            return {"kind": group.attrs["kind"]} | shape
 
     @cached_property
     def motion(self):

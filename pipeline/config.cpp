@@ -11,9 +11,11 @@
 #include <set>
 #include <sstream>
 
+#include "algorithms/contract/proxy_files.hpp"
 #include "pipeline/foreign/foreign.hpp"
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/scene/document.hpp"
+#include "pipeline/scene/mesh_input.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/study/study.hpp"
 #include "pipeline/system/file_bytes.hpp"
@@ -25,9 +27,8 @@ namespace pipeline {
 namespace {
 
 constexpr std::size_t kMostBytes = 16 << 20;
-constexpr std::size_t kMostTitle = 1024;              // characters
-constexpr std::int64_t kMostSteps = 10000000;         // at 274 bodies 120 GB of motion: further is a mistake
-constexpr double kLeastRate = 1e-6, kMostRate = 1e6;  // samples per second
+constexpr std::size_t kMostTitle = 1024;       // characters
+constexpr std::int64_t kMostSteps = 10000000;  // at 274 bodies 120 GB of motion: further is a mistake
 constexpr std::int64_t kMostRepeats = 1000;
 constexpr double kGapMargin = 0.1;          // m
 constexpr double kMostClosedWithin = 1e-3;  // of a mesh's size: more is no hair, but the mesh
@@ -115,8 +116,11 @@ algorithms::Value knob_value(const Section& s, const algorithms::Knob& knob) {
     if (rule.starts_with("must ")) rule.erase(0, std::strlen("must "));
     const auto* text = std::get_if<std::string>(&value);
     std::string remedy;
-    if (text && knob.role == algorithms::Role::prefilter && algorithms::find(*text))
-      remedy = "a method of a library answers in a process of its own and cannot filter for another";
+    const bool other = knob.role == algorithms::Role::prefilter || knob.role == algorithms::Role::then;
+    if (const algorithms::Algorithm* named = text && other ? algorithms::find(*text) : nullptr)
+      remedy = named->scope == algorithms::Scope::scene
+                   ? "it has a broad phase of its own"
+                   : "a method of a library answers in a process of its own and cannot stand beside another";
     else if (const std::string meant = text ? nearest(*text, knob.choices) : ""; !meant.empty())
       remedy = "did you mean '" + meant + "'?";
     s.refuse(knob.name, rule, remedy);
@@ -159,6 +163,7 @@ std::vector<std::string> command_words(const Section& s) {
 AlgorithmChoice program_choice(const Section& s, const std::filesystem::path& folder) {
   AlgorithmChoice choice{.name = "program", .label = s.text("label", "program"), .knobs = {}};
   choice.foreign = std::make_shared<Foreign>(program({command_words(s), folder}, read_budget(s)));
+  choice.optional = s.boolean("optional", false);
   for (const std::string& key : s.keys()) {
     if (key == "name" || key == "label" || key == "command" || key == "optional" ||
         std::ranges::count(kBudgetKeys, key))
@@ -175,6 +180,40 @@ AlgorithmChoice program_choice(const Section& s, const std::filesystem::path& fo
   return choice;
 }
 
+/// The files of a knob of Role::files: a table {mesh = "file"}, or the same as one text "mesh=file;mesh=file", as which
+/// the knob is kept.
+void read_files(const Section& s, const std::string& knob, const std::filesystem::path& folder,
+                AlgorithmChoice& choice) {
+  const std::string rule = "name a file for each mesh, e.g. {hero = \"hero_hull.obj\"}";
+  if (!s.has(knob) || s.scalar(knob) == Document::Scalar(std::string())) return;  // the preset: no file
+  choice.place = s.place(knob);
+  choice.folder = folder;
+  if (const auto value = s.scalar(knob)) {
+    if (!std::holds_alternative<std::string>(*value)) s.refuse(knob, rule);
+    std::istringstream text(std::get<std::string>(*value));
+    for (std::string one; std::getline(text, one, ';');) {
+      const std::size_t equals = one.find('=');
+      if (equals == 0 || equals == std::string::npos || equals + 1 == one.size()) s.refuse(knob, rule);
+      choice.files.push_back({one.substr(0, equals), one.substr(equals + 1),
+                              choice.place + ": '" + s.full(knob) + "." + one.substr(0, equals) + "'"});
+    }
+  } else {
+    const Section table = s.section(knob);
+    for (const std::string& mesh : table.keys())
+      choice.files.push_back({mesh, table.text(mesh, ""), place_of(table, mesh.c_str())});
+  }
+  if (choice.files.empty()) s.refuse(knob, rule);
+  std::string text;
+  std::set<std::string> taken;
+  for (const FileOfMesh& file : choice.files) {
+    if (file.written.empty() || file.written.find_first_of(";\n") != std::string::npos || !valid_label(file.mesh) ||
+        !taken.insert(file.mesh).second)
+      throw Error(kInput, file.place + " must name one file, without a semicolon in its name, for one mesh");
+    text += (text.empty() ? "" : ";") + file.mesh + "=" + file.written;
+  }
+  choice.knobs[knob] = text;
+}
+
 /// One algorithm from a table with name, label and knobs. Where nobody says whether bodies inside others are hits, it
 /// follows the truth: an exact method then keeps its promise, which is judged on the truth that scores.
 AlgorithmChoice algorithm_choice(const Section& s, Containment containment, const std::filesystem::path& folder) {
@@ -189,9 +228,10 @@ AlgorithmChoice algorithm_choice(const Section& s, Containment containment, cons
     if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
     return choice;
   }
+  if (const algorithms::Algorithm* missing = algorithms::find_missing(name))
+    if (const std::string needed = lacking(*missing); !needed.empty())
+      s.refuse("name", "be an algorithm of this build", "it needs " + needed);
   const algorithms::Algorithm* row = algorithms::find(name);
-  if (const algorithms::Algorithm* lacking = algorithms::find_missing(name))
-    s.refuse("name", "be an algorithm of this build", "it needs " + algorithms::remedy(*lacking));
   if (!row) s.refuse("name", "be the name of an algorithm", hint(name, names));
 
   std::vector<std::string> known{"name", "label", "optional"};
@@ -202,10 +242,15 @@ AlgorithmChoice algorithm_choice(const Section& s, Containment containment, cons
   AlgorithmChoice choice{.name = name, .label = s.text("label", name), .knobs = algorithms::presets(*row)};
   if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
   for (const algorithms::Knob& knob : row->knobs) {
+    if (knob.role == algorithms::Role::files) {
+      read_files(s, knob.name, folder, choice);
+      continue;
+    }
     if (knob.role == algorithms::Role::containment) choice.knobs[knob.name] = containment == Containment::meet;
     if (s.has(knob.name)) choice.knobs[knob.name] = knob_value(s, knob);
   }
   if (foreign) choice.foreign = std::make_shared<Foreign>(library(*row, choice.knobs, read_budget(s)));
+  choice.optional = foreign && s.boolean("optional", false);
   return choice;
 }
 
@@ -218,7 +263,7 @@ std::string lacks(const Section& s, const Config& config, bool recorded) {
     return "its program, which no result starts by itself; give it with --algorithm program:command=...";
   const algorithms::Algorithm* missing = algorithms::find_missing(name);
   if (const bool may_go = s.boolean("optional", false); missing && (may_go || recorded))
-    return algorithms::remedy(*missing);
+    if (const std::string needed = lacking(*missing); !needed.empty()) return needed;
   if (!recorded || config.plugins.empty() || algorithms::find(name)) return "";
   std::string libraries;
   for (const Plugin& plugin : config.plugins)
@@ -440,6 +485,51 @@ Config recorded_config(const std::string& effective, const std::string& file) {
   }
 }
 
+namespace {
+
+/// Reads what the files of a choice hold, and binds its row to it.
+void read_solids(AlgorithmChoice& choice, double closed_within, std::vector<std::string>& notes) {
+  SceneConfig reading;  // which knows where its files lie, and keeps their hashes
+  reading.path = choice.folder / "configuration";
+  std::map<std::string, std::vector<geometry::Mesh>> solids;
+  for (const FileOfMesh& file : choice.files) {
+    const MeshInput input = read_mesh(reading, file.written, file.place, file.mesh);
+    try {
+      solids[file.mesh] = algorithms::closed_components(input.mesh, closed_within);
+    } catch (const std::invalid_argument& error) {
+      throw Error(kInput, file.place + " must name closed surfaces, not " + in_quotes(one_line(file.written)) + ": " +
+                              error.what() + "; close it");
+    }
+  }
+  choice.inputs = reading.inputs;
+  choice.bound = std::make_shared<algorithms::Algorithm>(algorithms::proxy_of(std::move(solids)));
+  notes.insert(notes.end(), reading.notes.begin(), reading.notes.end());
+}
+
+/// The files of methods of others; what is optional and not here is left out.
+void find_methods(Config& config) {
+  const auto missing = find_files(config.algorithms);
+  for (const std::string& note : read_proxies(config.algorithms, config.closed_within)) config.notes.push_back(note);
+  for (const Plugin& plugin : config.plugins) config.inputs[plugin.written] = plugin.sha256;
+  for (const AlgorithmChoice& choice : config.algorithms) {
+    config.inputs.insert(choice.inputs.begin(), choice.inputs.end());
+    if (choice.foreign) config.inputs.insert(choice.foreign->files.begin(), choice.foreign->files.end());
+  }
+  for (const std::string& note : leave_out(missing, config)) config.notes.push_back(note);
+}
+
+}  // namespace
+
+Config kept_config(const std::string& effective, const std::filesystem::path& from, const std::string& part) {
+  Config config = parsed(effective, from, {}, From::result);
+  if (!config.notes.empty() || !config.plugins.empty())
+    throw Error(kInput, part + ": " + (config.notes.empty() ? "names a library" : config.notes.front()) +
+                            "; a part starts nothing by itself: name its configuration with --config");
+  if (config.scene_kind->complete) config.scene_kind->complete(config);
+  find_methods(config);
+  return config;
+}
+
 Config read_config(const std::filesystem::path& path, const std::vector<std::string>& sets,
                    const std::vector<std::string>& plugins) {
   Config config = parsed(bytes_of(path), path, sets, From::file, add_plugins(plugins));
@@ -449,24 +539,53 @@ Config read_config(const std::filesystem::path& path, const std::vector<std::str
     config.scene_kind->complete(config);
     config.effective = effective(config);
   }
-  find_files(config.algorithms);
-  for (const Plugin& plugin : config.plugins) config.inputs[plugin.written] = plugin.sha256;
-  for (const AlgorithmChoice& choice : config.algorithms)
-    if (choice.foreign) config.inputs.insert(choice.foreign->files.begin(), choice.foreign->files.end());
+  find_methods(config);
   return config;
 }
 
-void find_files(std::vector<AlgorithmChoice>& choices) {
+std::vector<std::string> leave_out(const std::map<std::string, std::string>& missing, Config& config) {
+  std::vector<std::string> notes;
+  if (missing.empty()) return notes;
+  std::set<std::string> files, kept;
+  for (const AlgorithmChoice& choice : config.algorithms) {
+    const auto found = missing.find(choice.label);
+    if (found != missing.end())
+      notes.push_back("algorithm '" + choice.label + "' is left out: " + one_line(found->second, 1000));
+    if (choice.foreign)
+      for (const auto& [file, hash] : choice.foreign->files) (found != missing.end() ? files : kept).insert(file);
+  }
+  for (const std::string& file : files)
+    if (!kept.contains(file)) config.inputs.erase(file);
+  std::erase_if(config.algorithms, [&](const AlgorithmChoice& choice) { return missing.contains(choice.label); });
+  if (config.algorithms.empty()) throw Error(kInput, config.path.string() + ": " + notes.front() + "; so are all");
+  config.effective = effective(config);
+  return notes;
+}
+
+std::vector<std::string> read_proxies(std::vector<AlgorithmChoice>& choices, double closed_within) {
+  std::vector<std::string> notes;
+  for (AlgorithmChoice& choice : choices)
+    if (!choice.files.empty() && !choice.bound) read_solids(choice, closed_within, notes);
+  return notes;
+}
+
+std::map<std::string, std::string> find_files(std::vector<AlgorithmChoice>& choices) {
+  std::map<std::string, std::string> missing;
   for (AlgorithmChoice& choice : choices) {
     if (!choice.foreign || choice.foreign->command.words.empty()) continue;
     Foreign found = *choice.foreign;
     const std::string& program = found.command.words.front();
-    if (program_of(found.command).empty())
+    if (program_of(found.command).empty()) {
+      const std::string none = "there is no program '" + one_line(program) + "' " +
+                               (program.find('/') == std::string::npos ? "along PATH" : "that can be executed");
+      if (choice.optional) {
+        missing[choice.label] = none;
+        continue;
+      }
       throw Error(kInput,
-                  "algorithm '" + choice.label + "': command \"" + text_of(found.command) +
-                      "\": there is no program '" + one_line(program) + "' " +
-                      (program.find('/') == std::string::npos ? "along PATH" : "that can be executed") +
+                  "algorithm '" + choice.label + "': command \"" + text_of(found.command) + "\": " + none +
                       "; give its path, relative to the configuration, or to the current folder after --algorithm");
+    }
     for (const auto& [word, file] : files_of(found.command)) {
       try {
         found.files[word] = sha256(read_regular(AT_FDCWD, file));
@@ -475,6 +594,7 @@ void find_files(std::vector<AlgorithmChoice>& choices) {
     }
     choice.foreign = std::make_shared<Foreign>(std::move(found));
   }
+  return missing;
 }
 
 AlgorithmChoice parse_algorithm(const std::string& argument, Containment containment) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -46,11 +47,24 @@ Config parse_config(const std::string& text, const std::filesystem::path& path,
 /// are left out, and noted. Throws Error(kFile) naming the file.
 Config recorded_config(const std::string& effective, const std::string& file);
 
+/// The configuration that an unfinished run, `part`, keeps of itself; files that it names are looked for from `from`,
+/// where it was read. A part starts no program and no library: one of methods of others is refused, Error(kInput).
+Config kept_config(const std::string& effective, const std::filesystem::path& from, const std::string& part);
+
 /// An --algorithm argument, "NAME[:knob=value,...][@LABEL]", for a truth of that containment: what a knob `containment`
 /// follows when it is not given. Throws Error(kInput) naming the argument.
 AlgorithmChoice parse_algorithm(const std::string& argument, Containment containment = Containment::ignore);
 
-/// Finds the files of programs and takes their SHA-256. Throws Error(kInput) for a command without a program.
-void find_files(std::vector<AlgorithmChoice>& choices);
+/// Finds the files of programs and takes their SHA-256. Throws Error(kInput) for a command without a program; of
+/// optional ones the labels are returned, each with what it lacks.
+std::map<std::string, std::string> find_files(std::vector<AlgorithmChoice>& choices);
+
+/// Takes the algorithms of these labels, each with what it lacks, out of the configuration, as if it had not named
+/// them; a note for each. Throws Error(kInput) when none is left.
+std::vector<std::string> leave_out(const std::map<std::string, std::string>& missing, Config& config);
+
+/// Reads the files that stand for meshes, unless that was done already. `closed_within` as in Bodies. What should be
+/// said of them is returned, a line each. Throws Error(kInput) for one that is no closed surface.
+std::vector<std::string> read_proxies(std::vector<AlgorithmChoice>& choices, double closed_within);
 
 }  // namespace pipeline

@@ -173,7 +173,7 @@ std::vector<LabelPlan> labels_of(const geometry::Bodies& bodies, const std::vect
     try {
       out.push_back({choice.label, memory_of(choice, bodies)});
     } catch (const std::invalid_argument& error) {
-      throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+      throw Error(kInput, whose(choice) + error.what());
     }
   }
   return out;
@@ -281,6 +281,27 @@ Plan plan(const Config& config, const Scene& scene, int threads) {
 
 namespace {
 
+/// What bodies of files are: all in which something looks wrong, of the others so many.
+std::string facts_text(const std::vector<BodyFacts>& bodies) {
+  constexpr std::size_t kMostLines = 40;
+  std::string text;
+  std::size_t lines = 0, more = 0;
+  for (const BodyFacts& body : bodies) {
+    if (body.doubt.empty() && lines >= kMostLines) {
+      ++more;
+      continue;
+    }
+    ++lines;
+    text += print("body        %s: %llu facets, %s, %.4g x %.4g x %.4g m, ", body.name.c_str(),
+                  static_cast<unsigned long long>(body.facets), body.closed ? "closed" : "open", body.size.x(),
+                  body.size.y(), body.size.z());
+    text += body.fixed ? "fixed" : print("over %.4g m", body.path);
+    text += body.doubt.empty() ? "\n" : "\n            " + body.name + " " + body.doubt + "\n";
+  }
+  if (more > 0) text += print("            and %zu bodies more\n", more);
+  return text;
+}
+
 /// Who wants most of it, where that is a method.
 std::string largest_text(const Plan& plan) {
   const auto largest =
@@ -370,11 +391,13 @@ std::string plan_text(const Config& config, const Plan& plan, const Seconds& tim
       break;
   }
   text += of_products;
+  if (config.scene_kind->facts) text += facts_text(config.scene_kind->facts(config));
   const bool facets = std::ranges::any_of(config.algorithms, [](const AlgorithmChoice& choice) {
     return algorithms::samples_facets(row_of(choice), choice.knobs);
   });
   if (!facets) text += "facets      no chosen algorithm samples them, so no facet points are computed\n";
   for (const auto& [file, hash] : config.inputs) text += "input       " + file + "\n";
+  for (const std::string& line : config.understood) text += "read        " + one_line(line, 4096) + "\n";
   for (const AlgorithmChoice& choice : config.algorithms)
     text += "algorithm   " + choice.label + (choice.label == choice.name ? "" : " = " + choice.name) + " " +
             knobs_json(choice.knobs) + "\n" + foreign_text(choice, plan);
@@ -408,6 +431,17 @@ std::string plan_json(const Config& config, const Plan& plan, const Seconds& tim
                    {"repeats", config.repeats}});
   json["containment"] = text_of(config.containment);
   json["inputs_sha256"] = config.inputs;
+  json["understood"] = config.understood;
+  if (config.scene_kind->facts)
+    for (const BodyFacts& body : config.scene_kind->facts(config))
+      json["bodies_read"].push_back({{"name", body.name},
+                                     {"mesh", body.mesh},
+                                     {"fixed", body.fixed},
+                                     {"facets", body.facets},
+                                     {"closed", body.closed},
+                                     {"size", {body.size.x(), body.size.y(), body.size.z()}},
+                                     {"path", body.path},
+                                     {"doubt", body.doubt}});
   json["algorithms"] = Json::array();
   for (const AlgorithmChoice& choice : config.algorithms)
     json["algorithms"].push_back(

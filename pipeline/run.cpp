@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "pipeline/amended.hpp"
 #include "pipeline/plan.hpp"
@@ -16,9 +18,11 @@
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/scene.hpp"
+#include "pipeline/stages/chunks.hpp"
 #include "pipeline/stages/detect.hpp"
 #include "pipeline/stages/evaluate.hpp"
 #include "pipeline/stages/motion.hpp"
+#include "pipeline/stages/proxies.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/study/study.hpp"
 #include "pipeline/system/threads.hpp"
@@ -37,14 +41,6 @@ std::vector<std::int64_t> first_steps(const std::vector<std::vector<geometry::Po
     for (std::size_t b = 0; b < bodies; ++b)
       if (geometry::is_born(poses[step][b])) first[b] = std::int64_t(step);
   return first;
-}
-
-/// What an unfinished run of this configuration, build and machine belongs to. The libraries and the processor belong
-/// to the build: Simbody's motion depends on them.
-CheckpointKey checkpoint_key(const Config& config, const Provenance& from) {
-  return {.config_sha256 = sha256(config.effective),
-          .program_sha256 = sha256(program_sha256() + from.library_versions + from.processor),
-          .inputs_sha256 = sha256(nlohmann::json(config.inputs).dump())};
 }
 
 /// What every result says of itself.
@@ -123,6 +119,13 @@ void make_motion(const Config& config, Scene& scene, const Plan& planned, Checkp
                  Forecast& forecast, Result& result) {
   Progress progress("motion", std::uint64_t(config.steps), quiet, &forecast);
   if (config.scene_kind->integrated) {
+    // Workers see by this that somebody makes it.
+    const std::string name = chunk_name("motion", 0);
+    std::unique_ptr<Lease> making;
+    for (bool said = part.moved(); !part.moved() && !(making = part.claim(name)); wait_a_moment())
+      if (!std::exchange(said, true))
+        progress.say("the motion is made by " + part.claimant(name) +
+                     ", as it seems; waiting for its lease to run out");
     // While the motion is made, how long its answers will take is looked at where that is worth the time.
     std::optional<Looks> looks;
     AfterChunk after_chunk;
@@ -142,6 +145,7 @@ void make_motion(const Config& config, Scene& scene, const Plan& planned, Checkp
     result.motion = std::move(scene.script);
     progress.add(std::uint64_t(config.steps));
   }
+  part.mark_moved();
   result.bodies = std::move(scene.bodies);
   result.first_step = first_steps(result.motion, result.bodies.size());
 }
@@ -161,12 +165,21 @@ void check_labels(const std::vector<AlgorithmChoice>& choices, const Result& res
 
 }  // namespace
 
+// The libraries and the processor are the motion's: Simbody depends on them.
+CheckpointKey checkpoint_key(const Config& config, const Provenance& from) {
+  return {.config_sha256 = sha256(config.effective),
+          .program_sha256 = program_sha256(),
+          .inputs_sha256 = sha256(nlohmann::json(config.inputs).dump()),
+          .machine_sha256 = sha256(from.library_versions + from.processor)};
+}
+
 fs::path output_path(const Config& config, const RunOptions& options) {
   if (!options.output.empty()) return options.output;
   return fs::path("results") / (config.path.stem().string() + ".h5");
 }
 
-Result run(const Config& config, const RunOptions& options) {
+Result run(const Config& asked, const RunOptions& options) {
+  Config config = asked;  // less what is optional and not here
   const auto start = std::chrono::steady_clock::now();
   const fs::path output = output_path(config, options);
   const fs::path part_path = output.string() + ".part";
@@ -174,24 +187,35 @@ Result run(const Config& config, const RunOptions& options) {
   std::error_code unreadable;
   if (fs::exists(fs::symlink_status(output, unreadable))) Checkpoint::remove_complete(part_path);
   refuse_if_too_large(plan(config), output);
+  if (config.study && options.motion_only)
+    throw Error(kInput, config.path.string() +
+                            ": is a study, which has no motion to be made beforehand; leave "
+                            "--motion-only out");
   if (config.study) return run_study(config, options, start);
 
   Scene scene = make_scene(config);
   warn_of_open_meshes(config, scene);
   const int threads = thread_count(options.threads);
-  const Plan planned = plan(config, scene, threads);
+  Plan planned = plan(config, scene, threads);
   refuse_if_too_large(planned, output);
-  if (scene.case_sets.empty()) refuse_unfit(scene.bodies, config.algorithms);  // of extremes a refusal is an answer
+  if (scene.case_sets.empty()) {  // of extremes a refusal is an answer
+    for (const std::string& note : leave_out(refuse_unfit(scene.bodies, config.algorithms).silent, config))
+      std::fprintf(stderr, "warning: %s\n", note.c_str());
+    planned = plan(config, scene, threads);
+  }
 
   Provenance from = provenance();
   OutputFile target(output, options.force ? Existing::replace : Existing::refuse);
   Checkpoint part(part_path, checkpoint_key(config, from), config.title, config.steps, options.force);
   if (part.resumed() && !options.quiet) std::fprintf(stderr, "resuming %s.part\n", output.string().c_str());
+  part.describe(config.effective, fs::absolute(config.path));
   Forecast forecast;
-  if (!options.quiet) forecast = Forecast(foreseen_stages(config, scene, planned, threads, kTrial));
+  if (!options.quiet && !options.motion_only)
+    forecast = Forecast(foreseen_stages(config, scene, planned, threads, kTrial));
 
   Result result;
   make_motion(config, scene, planned, part, options.quiet, forecast, result);
+  if (options.motion_only) return part.keep(), Result();
   give_back();
   {
     Progress progress("truth", result.steps(), options.quiet, &forecast);
@@ -226,8 +250,15 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     for (const std::string& note : config.notes) std::fprintf(stderr, "warning: %s\n", one_line(note, 4096).c_str());
     if (choices.empty())
       throw Error(kInput, file.string() + ": this build has none of its algorithms; name others with --algorithm");
+    const Proxies* recorded = result.products.find<Proxies>();
+    for (AlgorithmChoice& choice : choices)
+      if (!choice.files.empty() && !(recorded && bind_recorded(choice, *recorded)))
+        throw Error(kInput, file.string() + ": does not hold what stands for the meshes under the label '" +
+                                choice.label + "'; give its files with --algorithm " + choice.name + ":file=...");
   }
   find_files(choices);
+  for (const std::string& note : read_proxies(choices, config.closed_within))
+    std::fprintf(stderr, "warning: %s\n", one_line(note, 4096).c_str());
 
   check_labels(choices, result, file.string(), options.force);
   const Scene scene = recorded_scene(result, config, file.string());
@@ -241,8 +272,10 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   Evaluation found = evaluate({result.bodies, result.motion, result.truth, scene, result.products}, choices,
                               timing_of(config), nullptr, options.quiet, forecast);
   add(std::move(found), result);
-  for (const AlgorithmChoice& choice : choices)
+  for (const AlgorithmChoice& choice : choices) {
+    add_inputs(nlohmann::json(choice.inputs), result);
     if (choice.foreign) add_inputs(nlohmann::json(choice.foreign->files), result);
+  }
   store(result, amended.target, options.quiet, forecast);
   return std::move(result);
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/config.hpp"
+#include "pipeline/result/checkpoint.hpp"
 #include "pipeline/result/result.hpp"
 
 namespace pipeline {
@@ -15,13 +16,18 @@ struct RunOptions {
   bool force = false;                     // replace an existing output, discard another run's part
   bool quiet = false;                     // no progress
   std::vector<std::string> plugins = {};  // libraries of the command line
+  bool motion_only = false;               // of a run: only its motion, for workers that fill in the rest
   bool unsealed = false;                  // of an existing file: read it although its seal does not hold
 };
 
 std::filesystem::path output_path(const Config& config, const RunOptions& options);
 
-/// Simulates, decides, detects, scores and stores. Resumes an unfinished run of the same configuration and build.
-/// Throws Error.
+/// What an unfinished run of this configuration, build and machine belongs to.
+CheckpointKey checkpoint_key(const Config& config, const Provenance& from);
+
+/// Simulates, decides, detects, scores and stores. Resumes an unfinished run of the same configuration and build, and
+/// shares its chunks with workers (pipeline/work.hpp). With options.motion_only it ends when the motion is made, with
+/// an empty result. Throws Error.
 Result run(const Config& config, const RunOptions& options);
 
 /// Answers and times algorithms on the motion and truth of an existing file, and replaces the file by one that has

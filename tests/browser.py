@@ -41,9 +41,10 @@ def open_page(path, screenshot=None, **options):
 
 
 @contextlib.contextmanager
-def browsing(path, width=1200, height=900, scale=1, phone=False, timeout=240):
+def browsing(path, width=1200, height=900, scale=1, phone=False, timeout=240, dark=False, address=""):
     """The file at `path` as an open Page of `width` by `height` CSS pixels; TimeoutError after `timeout` seconds,
-    which only a browser that hangs needs."""
+    which only a browser that hangs needs. dark: for a reader who prefers dark colours; address: what follows the
+    file's, "#..."."""
     program = next((found for found in map(shutil.which, PROGRAMS) if found), None)
     if not program:
         raise FileNotFoundError(f"none of {', '.join(PROGRAMS)} is installed; scripts/setup installs the first")
@@ -63,7 +64,7 @@ def browsing(path, width=1200, height=900, scale=1, phone=False, timeout=240):
         os.close(theirs_write)
         try:
             page = Page(ours_read, ours_write, time.monotonic() + timeout)
-            page._open(pathlib.Path(path).resolve().as_uri(), width, height, scale, phone)
+            page._open(pathlib.Path(path).resolve().as_uri() + address, width, height, scale, phone, dark)
             yield page
             page._call("Browser.close", session=False)
         finally:
@@ -136,6 +137,11 @@ class Page:
         self._call("Input.dispatchKeyEvent", type="keyUp", **common)
         self.settle()
 
+    def prefer(self, scheme):
+        """Colours that the reader prefers: "light" or "dark"."""
+        features = [{"name": "prefers-color-scheme", "value": scheme}]
+        self._call("Emulation.setEmulatedMedia", features=features)
+
     def screenshot(self, path, whole=True):
         """A PNG of the whole page, or of what the window shows."""
         shot = self._call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
@@ -146,7 +152,7 @@ class Page:
         options = {"paperWidth": 8.27, "paperHeight": 11.69, "printBackground": False}
         pathlib.Path(path).write_bytes(base64.b64decode(self._call("Page.printToPDF", **options)["data"]))
 
-    def _open(self, address, width, height, scale, phone):
+    def _open(self, address, width, height, scale, phone, dark):
         target = self._call("Target.createTarget", session=False, url="about:blank")["targetId"]
         attached = self._call("Target.attachToTarget", session=False, targetId=target, flatten=True)
         self._session = attached["sessionId"]
@@ -154,6 +160,7 @@ class Page:
             self._call(f"{domain}.enable")
         size = {"width": width, "height": height, "deviceScaleFactor": scale, "mobile": phone}
         self._call("Emulation.setDeviceMetricsOverride", **size)
+        self.prefer("dark" if dark else "light")
         failed = self._call("Page.navigate", url=address).get("errorText")
         if failed:
             raise OSError(f"{address}: {failed}")

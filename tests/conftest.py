@@ -7,7 +7,7 @@ import sys
 import tomllib
 
 import pytest
-from program import ROOT
+from program import NO_PROGRAMS, ROOT
 
 sys.path.insert(0, str(ROOT))  # for `analysis`
 
@@ -68,7 +68,8 @@ def small_file(pipeline, tmp_path_factory):
             steps = STEPS.get(config.stem, 4)
             command = [pipeline, "run", str(config), "-o", str(path), "--quiet", "--set", "timing.repeats=1"]
             subprocess.run(
-                command + (["--set", f"steps={steps}"] if steps else []), check=True, stdout=subprocess.DEVNULL
+                command + (["--set", f"steps={steps}"] if steps else []), check=True, stdout=subprocess.DEVNULL,
+                env=NO_PROGRAMS,
             )
             made[config] = path
         return made[config]

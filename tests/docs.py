@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """The tables of the pages that the program itself knows: tests/docs.py prints those that differ, --write mends them.
 
-A table stands between `<!-- NAME -->` and `<!-- end -->`; NAME is what `pipeline list NAME` lists.
+A table stands between `<!-- NAME -->` and `<!-- end -->`; NAME is what `pipeline list NAME` lists, or `plugins`: those
+of the algorithms that answer from plug-ins of other people's libraries, of which a build may be without.
 """
 
 import json
@@ -18,6 +19,11 @@ PLACE = re.compile(r"(<!-- (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 def rows_of(what):
     return json.loads(subprocess.run([PIPELINE, "list", what, "--json"], capture_output=True, text=True,
                                      check=True).stdout)
+
+
+def own_rows():
+    """The algorithms that do not depend on which plug-ins a build has."""
+    return [row for row in rows_of("algorithms") if not (row["library"] or {}).get("tests")]
 
 
 def cell(text):
@@ -40,10 +46,18 @@ def table(what):
     if what == "algorithms":
         lines = ["| name | key | what | promise | scope | operations | knobs (preset) |",
                  "|---|---|---|---|---|---|---|"]
-        for row in rows_of(what):
+        for row in own_rows():
             cells = [f"`{row['name']}`", row["thesis_key"], row["what"], row["promise"], row["scope"],
                      row["operations_unit"], ", ".join(map(knob, row["knobs"]))]
             lines.append("| " + " | ".join(map(cell, cells)) + " |")
+    elif what == "plugins":
+        lines = ["| name | what | takes bodies for | precision | package | licence |", "|---|---|---|---|---|---|"]
+        for row in rows_of("algorithms"):
+            if row not in own_rows():
+                library = row["library"]
+                cells = [f"`{row['name']}`", row["what"], library["tests"], row["precision"], f"`{library['package']}`",
+                         library["licence"]]
+                lines.append("| " + " | ".join(map(cell, cells)) + " |")
     elif what == "keys":
         lines = ["| key | preset | unit | must be | what | in |", "|---|---|---|---|---|---|"]
         for row in rows_of(what):

@@ -11,6 +11,10 @@ PIPELINE = os.environ.get("PIPELINE", str(ROOT / "build" / "pipeline"))
 DONE, FAILED, USAGE, INPUT, FILE, INTERRUPTED = 0, 1, 2, 3, 4, 130  # exit codes
 
 
+# Programs of others are not found: their labels, where optional, are left out.
+NO_PROGRAMS = {**os.environ, "PATH": "/nowhere"}
+
+
 def pipeline(*arguments, **more):
     return subprocess.run([PIPELINE, *map(str, arguments)], text=True, capture_output=True, timeout=300, **more)
 

@@ -61,12 +61,19 @@ std::string remedy(const Algorithm& row) {
   return row.library.name + "; scripts/peers installs it (" + row.library.package + ") and builds anew";
 }
 
+Promise promise(const Algorithm& row, const Knobs& knobs) {
+  for (const Knob& knob : row.knobs)
+    if (knob.role == Role::then)
+      if (const Algorithm* last = find(value_of<std::string>(knobs, knob.name))) return promise(*last, presets(*last));
+  return row.promise;
+}
+
 bool samples_facets(const Algorithm& row, const Knobs& knobs) {
   for (const Knob& knob : row.knobs) {
     if (knob.role == Role::density) return true;
-    if (knob.role != Role::prefilter) continue;
-    const Algorithm* first = find(value_of<std::string>(knobs, knob.name));
-    if (first && samples_facets(*first, presets(*first))) return true;
+    if (knob.role != Role::prefilter && knob.role != Role::then) continue;
+    const Algorithm* other = find(value_of<std::string>(knobs, knob.name));
+    if (other && samples_facets(*other, presets(*other))) return true;
   }
   return false;
 }
@@ -89,6 +96,8 @@ Value checked(const Knob& knob, const Value& value) {
     if (!std::holds_alternative<double>(out)) refuse("be a number");
     if (!std::isfinite(std::get<double>(out))) refuse("be finite");
     check_range(knob, std::get<double>(out));
+  } else if (knob.role == Role::files) {
+    if (!std::holds_alternative<std::string>(value)) refuse("name a file for each mesh: \"mesh=file;mesh=file\"");
   } else {
     const auto* choice = std::get_if<std::string>(&value);
     bool known = false;

@@ -16,6 +16,7 @@
 #include <variant>
 #include <vector>
 
+#include "algorithms/contract/proxy.hpp"
 #include "geometry/bodies.hpp"
 
 namespace algorithms {
@@ -42,8 +43,10 @@ using Value = std::variant<bool, std::int64_t, double, std::string>;
 enum class Role {
   plain,
   prefilter,    // names the row that answers first; what it may name is known to the whole table alone
+  then,         // names the row that answers last and whose promise is kept; likewise
   density,      // whether facets are cut before they are sampled: only rows that sample facets have it
   containment,  // whether a body inside another is a hit: where nobody says, as in the truth that scores
+  files,        // a text "mesh=file;mesh=file": what is in the files reaches a row in a way of its own (proxy.hpp)
 };
 
 /// A parameter of an algorithm. The type of `preset` is the knob's type.
@@ -110,15 +113,18 @@ struct Library {
   std::string package = {};  // Debian's, to build with it
   std::string version = {};  // that this build has; empty: it is without
   std::string sha256 = {};   // of a shared library of others, whose code belongs into a child process; empty: ours
+  bool plugin = false;       // it answers from a plug-in of this project, which lies beside the program
+  std::string tests = {};    // what it takes bodies for: "convex hulls", ...; empty: not said
+  std::string licence = {}, language = {};
 };
 
 /// One row of the table of algorithms.
 struct Algorithm {
-  std::string name;             // file name, TOML name and HDF5 name
-  std::string thesis_key = {};  // the letter of the thesis, or empty
-  std::string what;             // one line
-  std::string operations_unit;  // what `count` counts
-  Promise promise = Promise::none;
+  std::string name;                 // file name, TOML name and HDF5 name
+  std::string thesis_key = {};      // the letter of the thesis, or empty
+  std::string what;                 // one line
+  std::string operations_unit;      // what `count` counts
+  Promise promise = Promise::none;  // with the presets
   Scope scope = Scope::pair;
   std::string precision = "double";  // of the arithmetic that decides
   Library library = {};
@@ -126,7 +132,10 @@ struct Algorithm {
   std::function<std::unique_ptr<Method>(const Bodies& bodies, const Knobs& knobs)> make = nullptr;
   /// What `make` would take, told from sizes alone: quick however much that is. Within a factor of 1.5 from 100 KiB on.
   /// Throws what `make` throws for knobs that do not fit the meshes. Null: not known, counted as a copy of the meshes.
-  Memory (*memory)(const Bodies& bodies, const Knobs& knobs) = nullptr;
+  std::function<Memory(const Bodies& bodies, const Knobs& knobs)> memory = nullptr;
+  /// What its methods test in place of each distinct mesh, in their order: the very shapes that `make` makes. Throws
+  /// what `make` throws. Null: the mesh itself, or nothing that stays the same from pose to pose.
+  std::function<std::vector<Proxy>(const Bodies& bodies, const Knobs& knobs)> proxies = nullptr;
 };
 
 /// What a method of the row would take, also where the row does not say.
@@ -135,7 +144,8 @@ Memory memory(const Algorithm& row, const Bodies& bodies, const Knobs& knobs);
 /// Every algorithm that this build can ask, in the thesis's order; those of other sources follow.
 const std::vector<Algorithm>& all();
 
-/// Those whose library this build is without: known by name, without `make`.
+/// Those whose library this build is without, or has as a plug-in that nobody asked for yet: known by name, without
+/// `make`.
 const std::vector<Algorithm>& missing();
 
 /// Rows of shared libraries of others that were added, in order. None is ever moved.
@@ -144,14 +154,17 @@ const std::deque<Algorithm>& added();
 /// Adds a row whose name no other has.
 void add(Algorithm row);
 
-/// The row of that name, or nullptr; of all() and added(), and of missing().
+/// The row of that name, or nullptr; of all() and added(), and of missing() as long as it is not added.
 const Algorithm* find(std::string_view name);
 const Algorithm* find_missing(std::string_view name);
 
 /// What a row of missing() needs and how to get it: "FCL; scripts/peers installs it ...".
 std::string remedy(const Algorithm& row);
 
-/// Whether its methods sample facets with these knobs, its own or its prefilter's.
+/// What its methods promise with these knobs: where one of them names the row that answers last, what that one does.
+Promise promise(const Algorithm& row, const Knobs& knobs);
+
+/// Whether its methods sample facets with these knobs: its own, its prefilter's or those of the row that answers last.
 bool samples_facets(const Algorithm& row, const Knobs& knobs);
 
 /// The knobs of `algorithm`, all at their presets.

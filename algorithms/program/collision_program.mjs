@@ -33,9 +33,9 @@ function read(size) {  // null at the end
   return bytes;
 }
 
-function send(kind, content = Buffer.alloc(0)) {
-  const bytes = Buffer.concat([Buffer.from(kind), Buffer.alloc(4), content]);
-  bytes.writeUInt32LE(content.length, 4);
+function send(kind, number, content = Buffer.alloc(0)) {
+  const bytes = Buffer.concat([Buffer.from(kind), Buffer.alloc(8), content]);
+  bytes.writeUInt32LE(content.length, bytes.writeUInt32LE(number, 4));
   for (let at = 0; at < bytes.length;) at += writeSync(1, bytes, at);
 }
 
@@ -50,30 +50,31 @@ export async function serve(setup, about) {
   for (const said of ['log', 'info', 'debug']) console[said] = console.error;
   process.stdout.write = process.stderr.write.bind(process.stderr);
   const now = () => Number(process.hrtime.bigint());  // ns; exact for 104 days
-  let method = {}, bodies = 0;
+  let method = {}, bodies = 0, number = 0;
   try {
-    for (let head; (head = read(8));) {
-      const kind = head.toString('latin1', 0, 4), content = read(head.readUInt32LE(4));
+    for (let head; (head = read(12));) {
+      const kind = head.toString('latin1', 0, 4), content = read(head.readUInt32LE(8));
+      number = head.readUInt32LE(4);
       if (kind === 'HELO') {
         const run = JSON.parse(content), begin = now(), made = await setup(run), setup_ns = now() - begin;
         bodies = run.bodies.length;
         method = typeof made === 'function' ? {answer: made} : made;
         const said = {protocol: 1, language: 'JavaScript, node ' + process.versions.node, setup_ns};
         Object.assign(said, {remembers: 'remember' in method}, method.about, about);
-        send('HELO', Buffer.from(JSON.stringify(said)));
+        send('HELO', number, Buffer.from(JSON.stringify(said)));
       } else if (kind === 'STEP' || kind === 'OPER') {
         const step = new Step(content, bodies), begin = now();
         method.prepare?.(step);
         const prepared = method.prepare ? now() - begin : 0;
         const [operations, pairs] = kind === 'OPER' ? method.count(step) : [0, method.answer(step)];
         const time = now() - begin;
-        send('HITS', kind === 'OPER' ? hits(pairs, 0, 0, operations) : hits(pairs, time, prepared));
+        send('HITS', number, kind === 'OPER' ? hits(pairs, 0, 0, operations) : hits(pairs, time, prepared));
       } else {
         method[kind === 'KEEP' ? 'remember' : 'forget']();
-        send('DONE');
+        send('DONE', number);
       }
     }
   } catch (error) {
-    send('FAIL', Buffer.from(String(error?.stack ?? error).split('\n').slice(0, 2).join(' ')).subarray(0, 65536));
+    send('FAIL', number, Buffer.from(String(error?.stack ?? error).split('\n').slice(0, 2).join(' ')).subarray(0, 65536));
   }
 }

@@ -7,9 +7,7 @@
             return [(a, b) for a, b in step.pairs() if near(step.positions[a], step.positions[b])]
         return answer
 
-    serve(setup, name="mine")
-
-What is printed goes to stderr: stdout belongs to the frames.
+    serve(setup, name="mine")  # what is printed goes to stderr: stdout belongs to the frames
 """
 import json
 import os
@@ -33,8 +31,8 @@ class Step:
         return ((a, b) for a, first, last in self.runs for b in range(first, last))
 
 
-def send(to, kind, content=b""):
-    to.write(kind + struct.pack("<I", len(content)) + content)
+def send(to, kind, number, content=b""):
+    to.write(kind + struct.pack("<II", number, len(content)) + content)
     to.flush()
 
 
@@ -46,19 +44,20 @@ def hits(pairs, time_ns=0, prepare_ns=0, operations=0):
 def serve(setup, **about):
     down, up = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    method, bodies = {}, 0
+    method, bodies, number = {}, 0, 0
     try:
-        while head := down.read(8):
-            kind, content = head[:4], down.read(struct.unpack("<4xI", head)[0])
+        while head := down.read(12):
+            kind, number, length = struct.unpack("<4sII", head)
+            content = down.read(length)
             if kind == b"HELO":
                 run = json.loads(content)
                 bodies, start = len(run["bodies"]), time.perf_counter_ns()
                 made = setup(run)
-                took = time.perf_counter_ns() - start
                 method = made if isinstance(made, dict) else {"answer": made}
-                said = {"protocol": 1, "language": "Python " + platform.python_version(), "setup_ns": took,
+                setup_ns = time.perf_counter_ns() - start
+                said = {"protocol": 1, "language": "Python " + platform.python_version(), "setup_ns": setup_ns,
                         "remembers": "remember" in method, **method.get("about", {}), **about}
-                send(up, b"HELO", json.dumps(said).encode())
+                send(up, b"HELO", number, json.dumps(said).encode())
             elif kind == b"STEP":
                 step = Step(content, bodies)
                 start = time.perf_counter_ns()
@@ -66,15 +65,15 @@ def serve(setup, **about):
                 prepared = time.perf_counter_ns()
                 pairs = list(method["answer"](step))
                 end = time.perf_counter_ns()
-                send(up, b"HITS", hits(pairs, end - start, prepared - start if "prepare" in method else 0))
+                send(up, b"HITS", number, hits(pairs, end - start, prepared - start if "prepare" in method else 0))
             elif kind == b"OPER":
                 step = Step(content, bodies)
                 method.get("prepare", bool)(step)
                 operations, pairs = method["count"](step)
-                send(up, b"HITS", hits(pairs, operations=operations))
+                send(up, b"HITS", number, hits(pairs, operations=operations))
             else:
                 method["remember" if kind == b"KEEP" else "forget"]()
-                send(up, b"DONE")
+                send(up, b"DONE", number)
     except Exception as error:
         line = traceback.extract_tb(error.__traceback__)[-1]
-        send(up, b"FAIL", f"{type(error).__name__}: {error} ({line.filename}:{line.lineno})".encode()[:65536])
+        send(up, b"FAIL", number, f"{type(error).__name__}: {error} ({line.filename}:{line.lineno})".encode()[:65536])

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "algorithms/contract/pairwise.hpp"
-#include "geometry/processor_clones.hpp"
+#include "algorithms/parts/balls_and_boxes.hpp"
 #include "geometry/vec.hpp"
 
 namespace algorithms {
@@ -13,30 +13,11 @@ using geometry::dot;
 using geometry::Mat3;
 using geometry::Vec3;
 
-/// The columns of the first two stages, metres: spheres and the world boxes of the turned corners.
-struct Columns {
-  std::vector<double> x, y, z, r, low_x, low_y, low_z, high_x, high_y, high_z;
-};
-
-/// Stages 1 and 2 of body a against first ... last - 1: 1 where the spheres and the boxes touch.
-PROCESSOR_CLONES void spheres_and_boxes_touch(const double* x, const double* y, const double* z, const double* r,
-                                              const double* low_x, const double* low_y, const double* low_z,
-                                              const double* high_x, const double* high_y, const double* high_z,
-                                              std::uint32_t a, std::uint32_t first, std::uint32_t last,
-                                              std::uint8_t* hit) {
-  const double ax = x[a], ay = y[a], az = z[a], ar = r[a];
-  const double alx = low_x[a], aly = low_y[a], alz = low_z[a], ahx = high_x[a], ahy = high_y[a], ahz = high_z[a];
-  for (std::uint32_t b = first; b < last; ++b) {
-    const double dx = x[b] - ax, dy = y[b] - ay, dz = z[b] - az, reach = ar + r[b];
-    hit[b - first] = (reach * reach >= dx * dx + dy * dy + dz * dz) & (alx <= high_x[b]) & (low_x[b] <= ahx) &
-                     (aly <= high_y[b]) & (low_y[b] <= ahy) & (alz <= high_z[b]) & (low_z[b] <= ahz);
-  }
-}
-
-/// The box in the world: middle, half sizes along the columns of `axes`.
+/// The box in the world: middle, half sizes along its axes; row[k][i] is coordinate k of axis i, so that the products
+/// of one axis with all three of another box are computed side by side.
 struct OrientedBox {
   Vec3 middle, half;
-  Mat3 axes;
+  double row[3][3];
 };
 
 /// Stage 3, in a's frame: c(i, j) = a's axis i on b's axis j, d = the middles' distance. An axis and everything
@@ -47,8 +28,9 @@ bool axes_overlap(const OrientedBox& a, const OrientedBox& b, Count& count) {
   const Vec3 between = b.middle - a.middle;
   double c[3][3], d[3];
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) c[i][j] = dot(a.axes.col(i), b.axes.col(j));
-    d[i] = dot(a.axes.col(i), between);
+    const Vec3 axis(a.row[0][i], a.row[1][i], a.row[2][i]);
+    for (int j = 0; j < 3; ++j) c[i][j] = dot(axis, {b.row[0][j], b.row[1][j], b.row[2][j]});
+    d[i] = dot(axis, between);
   }
   const Vec3 &ha = a.half, &hb = b.half;
   for (int i = 0; i < 3; ++i) {
@@ -59,7 +41,7 @@ bool axes_overlap(const OrientedBox& a, const OrientedBox& b, Count& count) {
   for (int j = 0; j < 3; ++j) {
     count += 1;
     const double reach = hb[j] + (std::fabs(c[0][j]) * ha[0] + std::fabs(c[1][j]) * ha[1] + std::fabs(c[2][j]) * ha[2]);
-    if (std::fabs(dot(b.axes.col(j), between)) > reach) return false;
+    if (std::fabs(dot({b.row[0][j], b.row[1][j], b.row[2][j]}, between)) > reach) return false;
   }
   for (int i = 0; i < 3; ++i) {
     const int k = (i + 1) % 3, l = (i + 2) % 3;
@@ -83,12 +65,11 @@ struct ObbSat {
       half.push_back(box.half_size());
     }
     boxes.resize(bodies.size());
-    for (auto* column : {&s.x, &s.y, &s.z, &s.r, &s.low_x, &s.low_y, &s.low_z, &s.high_x, &s.high_y, &s.high_z})
-      column->resize(bodies.size());
+    rejecting.resize(bodies.size());
   }
 
   static Memory memory(const Bodies& bodies, const Knobs&) {
-    return memory_by_body(bodies, 2 * sizeof(Vec3) + sizeof(OrientedBox) + 10 * sizeof(double));
+    return memory_by_body(bodies, 2 * sizeof(Vec3) + sizeof(OrientedBox) + geometry::BallsAndBoxes::kBytes);
   }
 
   void prepare(std::span<const Pose> poses, double enlarge) {
@@ -97,7 +78,10 @@ struct ObbSat {
       const Pose& pose = poses[body];
       const Mat3 r = geometry::rotation(pose.q);
       OrientedBox& box = boxes[body];
-      box = {geometry::to_world(r, pose.t, local_middle[body]), half[body], r};
+      box.middle = geometry::to_world(r, pose.t, local_middle[body]);
+      box.half = half[body];
+      for (int k = 0; k < 3; ++k)
+        for (int i = 0; i < 3; ++i) box.row[k][i] = r(k, i);
       if (enlarge > 0) {
         const Vec3 corner = local_middle[body].cwiseAbs() + half[body];
         box.half += Vec3::Constant(enlarge * (corner.norm() + pose.t.norm()));
@@ -109,37 +93,19 @@ struct ObbSat {
         world.add(geometry::to_world(r, pose.t, local_middle[body] + side));
       }
       const Vec3& h = box.half;
-      s.x[body] = box.middle.x();
-      s.y[body] = box.middle.y();
-      s.z[body] = box.middle.z();
       // 2^-50: the rounding of a root and three squares, so that the ball surely holds the box.
-      s.r[body] = std::sqrt(h.x() * h.x() + h.y() * h.y() + h.z() * h.z()) * (1 + 0x1p-50);
-      s.low_x[body] = world.min.x();
-      s.low_y[body] = world.min.y();
-      s.low_z[body] = world.min.z();
-      s.high_x[body] = world.max.x();
-      s.high_y[body] = world.max.y();
-      s.high_z[body] = world.max.z();
+      const double radius = std::sqrt(h.x() * h.x() + h.y() * h.y() + h.z() * h.z()) * (1 + 0x1p-50);
+      rejecting.set(body, box.middle, radius, world);
     }
   }
 
   template <class Count>
   bool hit(std::uint32_t a, std::uint32_t b, Count& count) const {
-    count += 1;
-    const double dx = s.x[b] - s.x[a], dy = s.y[b] - s.y[a], dz = s.z[b] - s.z[a], reach = s.r[a] + s.r[b];
-    if (reach * reach < dx * dx + dy * dy + dz * dz) return false;
-    count += 1;
-    if (s.low_x[a] > s.high_x[b] || s.low_x[b] > s.high_x[a]) return false;
-    count += 1;
-    if (s.low_y[a] > s.high_y[b] || s.low_y[b] > s.high_y[a]) return false;
-    count += 1;
-    if (s.low_z[a] > s.high_z[b] || s.low_z[b] > s.high_z[a]) return false;
-    return axes_overlap(boxes[a], boxes[b], count);
+    return rejecting.touch(a, b, count) && axes_overlap(boxes[a], boxes[b], count);
   }
 
   void row(std::uint32_t a, std::uint32_t first, std::uint32_t last, std::uint8_t* out) const {
-    spheres_and_boxes_touch(s.x.data(), s.y.data(), s.z.data(), s.r.data(), s.low_x.data(), s.low_y.data(),
-                            s.low_z.data(), s.high_x.data(), s.high_y.data(), s.high_z.data(), a, first, last, out);
+    rejecting.touch_row(a, first, last, out);
     NoCount none;
     for (std::uint32_t b = first; b < last; ++b)
       if (out[b - first]) out[b - first] = axes_overlap(boxes[a], boxes[b], none);
@@ -147,7 +113,7 @@ struct ObbSat {
 
   std::vector<Vec3> local_middle, half;  // of the local vertex boxes, metres
   std::vector<OrientedBox> boxes;        // of the step
-  Columns s;                             // of the step
+  geometry::BallsAndBoxes rejecting;     // of the step: stages 1 and 2
 };
 
 }  // namespace

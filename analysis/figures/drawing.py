@@ -9,10 +9,10 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter, LogLocator
 from matplotlib.transforms import ScaledTranslation
 
-from analysis.tables import pareto
-from analysis.tables.scenes import twins
-from analysis.tables.studies import simulated
-from analysis.words import listed
+from ..tables import pareto
+from ..tables.scenes import twins
+from ..tables.studies import simulated
+from ..words import listed
 
 MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
 LINE = 19  # letters of a line above a small panel
@@ -77,6 +77,8 @@ def steps_of(run):
         name: table[name].to_numpy(dtype=float).reshape(-1, len(labels))[:steps]
         for name in ("time_ns", "hits", "true_positive", "false_negative")
     }
+    for label in run.unlike:  # as if it had not been timed
+        column["time_ns"][:, labels.index(label)] = 0
     first = run.bodies.first_step.to_numpy()
     there = (first >= 0) & (first <= np.arange(steps)[:, None])
     truth = column["true_positive"][:, 0] + column["false_negative"][:, 0]

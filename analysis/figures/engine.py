@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from analysis.tables import thresholds as t
-from analysis.figures.drawing import (
+from ..tables import thresholds as t
+from .drawing import (
     NotDrawn,
     algorithm,
     binned,
@@ -26,8 +26,8 @@ from analysis.figures.drawing import (
     stretches,
     time_text,
 )
-from analysis.figures.figure import PALETTE, Figure, figure, style, svg_of
-from analysis.figures.steps import exponents, named
+from .figure import PALETTE, Figure, figure, style, svg_of
+from .steps import exponents, named
 
 CANNON = ("cannon_naive", "cannon_sap")
 THESIS = {"box": ("5.1", "5.2", "5.3", "5.4"), "falling": ("5.14", "5.15", "", "5.16")}

@@ -5,11 +5,11 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from analysis.figures import labels
-from analysis.tables import pareto
-from analysis.figures.drawing import shortened
-from analysis.figures.figure import FALSE_POSITIVE, MISSED, Figure, figure, style, svg_of
-from analysis.words import counted, listed, number, verb
+from . import labels
+from ..tables import pareto
+from .drawing import shortened
+from .figure import FALSE_POSITIVE, MISSED, Figure, figure, style, svg_of
+from ..words import counted, listed, number, verb
 
 NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
 HEIGHT = 4.7  # inches, without the legend

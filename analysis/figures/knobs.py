@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pandas as pd
 
-from analysis.figures import labels
-from analysis.figures.drawing import guarded, log_seconds, shortened, time_text
-from analysis.figures.figure import PALETTE, Figure, Section, figure, style, svg_of
-from analysis.tables import pareto
-from analysis.words import counted, listed, number
+from . import labels
+from .drawing import guarded, log_seconds, shortened, time_text
+from .figure import PALETTE, Figure, Section, figure, style, svg_of
+from ..tables import pareto
+from ..words import counted, listed, number
 
 LEAST = 3  # settings of an algorithm that make a figure
 NAMED = 26  # settings whose names stand in the figure

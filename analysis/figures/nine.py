@@ -3,11 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from analysis.figures.figure import Points, Section, Table
-from analysis.figures.drawing import time_text
-from analysis.tables import pareto
-from analysis.tables.clauses import KEYS
-from analysis.words import number
+from .figure import Points, Section, Table
+from .drawing import time_text
+from ..tables import pareto
+from ..tables.clauses import KEYS
+from ..words import number
 
 NINE = list(KEYS.values())
 

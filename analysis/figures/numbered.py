@@ -5,7 +5,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from analysis.figures.drawing import (
+from .drawing import (
     NotDrawn,
     binned,
     caption,
@@ -18,11 +18,11 @@ from analysis.figures.drawing import (
     stretch,
     time_text,
 )
-from analysis.figures.figure import PALETTE, Figure, figure, style, svg_of
-from analysis.figures.steps import SEEN
-from analysis.tables import thresholds as t
-from analysis.tables.scenes import twins
-from analysis.tables.sentences import FIGURES as CZECH
+from .figure import PALETTE, Figure, figure, style, svg_of
+from .steps import SEEN
+from ..tables import thresholds as t
+from ..tables.scenes import twins
+from ..tables.sentences import FIGURES as CZECH
 
 ORDER = "GHJKLPOIU"  # of the thesis's figures
 FIRST = {"box": 5, "falling": 17}

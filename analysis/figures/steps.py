@@ -5,9 +5,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from analysis.tables import thresholds as t
-from analysis.figures.drawing import key as key_of
-from analysis.figures.drawing import (
+from ..tables import thresholds as t
+from .drawing import key as key_of
+from .drawing import (
     NotDrawn,
     algorithm,
     binned,
@@ -28,8 +28,8 @@ from analysis.figures.drawing import (
     stretches,
     time_text,
 )
-from analysis.figures.figure import PALETTE, Figure, figure, style, svg_of
-from analysis.words import listed
+from .figure import PALETTE, Figure, figure, style, svg_of
+from ..words import listed
 
 THESIS = {"box": "figures 5.5 to 5.13", "falling": "figures 5.17 to 5.25"}
 TRUTH = "#DADADA"

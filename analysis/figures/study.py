@@ -6,10 +6,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
 
-from analysis.tables import pareto, studies, study_tables
-from analysis.figures.drawing import BINS, guarded
-from analysis.figures.figure import PALETTE, Figure, Section, Table, figure, style, svg_of, slug
-from analysis.words import counted, listed, number, plural, verb
+from ..tables import pareto, studies, study_tables
+from .drawing import BINS, guarded
+from .figure import PALETTE, Figure, Section, Table, figure, style, svg_of, slug
+from ..words import counted, listed, number, plural, verb
 
 # The families have colours, their members markers and lines; the same in every figure.
 INTEGRATORS = {

@@ -5,10 +5,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from analysis.figures.drawing import digits, guarded, label_ends, log_seconds, shortened
-from analysis.figures.figure import Figure, Points, Section, Table, figure, slug, style, svg_of
-from analysis.tables import sweeps
-from analysis.words import counted, listed, verb
+from .drawing import digits, guarded, label_ends, log_seconds, shortened
+from .figure import Figure, Points, Section, Table, figure, slug, style, svg_of
+from ..tables import sweeps
+from ..words import counted, listed, verb
 
 MOST_LABELS = 16  # lines in one figure
 MOST_SETTINGS = 4  # figures of one quantity over one parameter; the tables have all
@@ -353,7 +353,11 @@ def holding(table):
         )
         parts.append(Table("At some points", frame, "What of this kind holds at other points is the rest of them."))
     if rows.label.nunique() > 1:
-        for column, words in (("error", "Who errs less than whom"), ("time_mean_ns", "Who is quicker than whom")):
+        paired = "whose times over the same steps tell no difference"
+        for column, words, even in (
+            ("error", "Who errs less than whom", "equals"),
+            ("time_mean_ns", "Who is quicker than whom", f"equals, and labels {paired},"),
+        ):
             below, both = sweeps.order(rows, column)
             frame = below.astype(str)
             for label in frame.index:
@@ -364,7 +368,7 @@ def holding(table):
                 Table(
                     words,
                     frame,
-                    f"At how many of {int(both.to_numpy().max())} points the row's label is below the column's; equals"
+                    f"At how many of {int(both.to_numpy().max())} points the row's label is below the column's; {even}"
                     " count for neither.",
                 )
             )

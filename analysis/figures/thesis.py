@@ -8,14 +8,13 @@ named.
 import re
 from dataclasses import replace
 
-from analysis.figures import engine as engine_figures, numbered, playground as playground_map, steps as step_figures
-from analysis.tables import pareto, scenes
-from analysis.figures.drawing import NotDrawn, guarded, key, simulated
-from analysis.figures.figure import Figure, Section
-from analysis.figures.thesis_tables import TABLE, means_figure, statements_part
-from analysis.tables.sentences import FIGURES as CZECH
-from analysis.tables.statements import PUBLISHED
-
+from . import engine as engine_figures, numbered, playground as playground_map, steps as step_figures
+from ..tables import pareto, scenes
+from .drawing import NotDrawn, guarded, key, simulated
+from .figure import Figure, Section
+from .thesis_tables import TABLE, in_javascript, languages_figure, means_figure, statements_part
+from ..tables.sentences import FIGURES as CZECH
+from ..tables.statements import PUBLISHED
 
 
 def make_of(entry):
@@ -88,6 +87,8 @@ def section_of(run, kind, number, notes, published=None, first=True):
         figures = playground_map.FIGURES
     else:
         figures = [*STEPS, *(THESIS if kind in NAMES else [])]
+    if in_javascript(run):
+        figures = [*figures, ("C++ beside JavaScript", languages_figure)]
     parts = []
     for name, make in figures:
         anchor = f"thesis-{number}-{slug}-{make.__name__.replace('_', '-')}"

@@ -6,13 +6,13 @@ import re
 import numpy as np
 import pandas as pd
 
-from analysis.tables import intervals, thresholds as t
-from analysis.figures.drawing import NotDrawn, caption, comparable, digits, key, log_seconds, steps_of
-from analysis.figures.figure import PALETTE, Figure, Verdicts, figure, svg_of
-from analysis.tables.scenes import twins
-from analysis.tables.clauses import KEYS
-from analysis.tables.statements import CAREFUL, verdicts
-from analysis.words import listed
+from ..tables import intervals, thresholds as t
+from .drawing import NotDrawn, caption, comparable, digits, key, log_seconds, steps_of
+from .figure import PALETTE, Figure, Verdicts, figure, svg_of
+from ..tables.scenes import twins
+from ..tables.clauses import KEYS
+from ..tables.statements import CAREFUL, verdicts
+from ..words import listed
 
 # Mean milliseconds per step, Babylon.js in a browser: letter -> (table 5.1, the box; table 5.2, the falling scene).
 THESIS_MS = {
@@ -196,6 +196,77 @@ def _means_caption(table, run, published):
     if "JavaScript ms" not in table:
         text += " No program in JavaScript answered in this file, so the languages are not compared on one machine."
     return text
+
+
+def in_javascript(run):
+    """[label of C++, label of JavaScript]: the same method in both languages and by the same procedure, timed on one
+    machine and build."""
+    answers, timed = run.meta["answers"], set(comparable(run)) - set(twins(run))
+    theirs = {told["name"]: label for label, told in answers.items()
+              if told.get("language", "").startswith("JavaScript") and told["name"] in KEYS.values()}
+    return [(label, theirs[told["name"]]) for label, told in answers.items()
+            if not told.get("transport") and told["name"] in theirs and {label, theirs[told["name"]]} <= timed]
+
+
+def languages_table(run, kind):
+    """One row per method in C++ that the file has in JavaScript too, by the ratio of their times.
+
+    Columns: key, C++ ms, JavaScript ms, JS / C++, low, high (of its 95 % interval, from the same steps; NaN with too
+    few), thesis ms, same answers (pairs that both report over those that either does).
+    """
+    steps, letters = steps_of(run), {name: letter for letter, name in KEYS.items()}
+    rows = {}
+    for label, other in in_javascript(run):
+        ours, theirs = (steps.time_ns[:, steps.labels.index(name)] for name in (label, other))
+        if not (ours.mean() > 0 and theirs.mean() > 0):
+            continue
+        letter, ratio = letters[run.meta["answers"][label]["name"]], intervals.ratio(theirs, ours)
+        one, both = (set(run.pairs(name).itertuples(index=False, name=None)) for name in (label, other))
+        rows[label] = (letter, ours.mean() / 1e6, theirs.mean() / 1e6, ratio.value, ratio.low, ratio.high,
+                       THESIS_MS[letter][kind == "falling"] if kind in TABLE else np.nan,
+                       len(one & both) / len(one | both) if one | both else 1.0)
+    columns = ["key", "C++ ms", "JavaScript ms", "JS / C++", "low", "high", "thesis ms", "same answers"]
+    if not rows:
+        raise NotDrawn("the file has none of the thesis's nine in both languages, timed")
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=columns)
+    return table.sort_values("JS / C++").rename_axis("algorithm")
+
+
+def languages_figure(run, kind, name):
+    """Times of the same methods in C++ and in JavaScript, one row per method."""
+    table = languages_table(run, kind)
+    fig, axes = figure(height=0.34 * len(table) + 1.2)
+    rows = np.arange(len(table))[::-1]
+    ours, theirs = table["C++ ms"].to_numpy() / 1e3, table["JavaScript ms"].to_numpy() / 1e3
+    axes.hlines(rows, np.minimum(ours, theirs), np.maximum(ours, theirs), color="#BBBBBB", linewidth=1.5)
+    if kind in TABLE:
+        axes.plot(table["thesis ms"] / 1e3, rows, "o", color=PALETTE["orange"], markerfacecolor="white",
+                  label="thesis, JavaScript")
+    axes.plot(theirs, rows, "o", color=PALETTE["orange"], label="JavaScript here")
+    axes.plot(ours, rows, "s", color=PALETTE["blue"], label="C++ here")
+    right = np.fmax(np.fmax(ours, theirs), np.nan_to_num(table["thesis ms"].to_numpy() / 1e3))
+    for row, place, ratio, low, high in zip(rows, right, table["JS / C++"], table.low, table.high):
+        said = f"{digits(ratio)}×" + (f" ({digits(low)} to {digits(high)})" if low <= high else "")
+        axes.annotate(said, (place, row), xytext=(8, 0), textcoords="offset points", va="center", fontsize=9)
+    axes.set_yticks(rows, [f"{letter} {label}" for label, letter in table.key.items()])
+    log_seconds(axes, "x")
+    axes.set_xlim(right=axes.get_xlim()[1] * 30)
+    axes.set_xlabel("mean time per step")
+    axes.grid(axis="y", visible=False)
+    fig.suptitle(" ", fontsize=9)  # room for the legend
+    fig.legend(loc="upper center", ncol=3, fontsize=9, frameon=False, borderaxespad=0.1)
+    ratio, same = table["JS / C++"], table["same answers"].min()
+    title = (f"On the same poses and machine JavaScript takes {digits(ratio.min())} ({ratio.idxmin()}) to "
+             f"{digits(ratio.max())} times ({ratio.idxmax()}) as long as C++; ")
+    alike = f"at least {100 * same:.4g} % of the answers are the same"
+    title += "both answer alike on every pair" if same == 1 else alike
+    what = (
+        f"The same methods in both languages, timed in turn on the same {run.meta['steps']} steps; numbers are"
+        " JavaScript's time over that of C++, in brackets the 95 % interval where there are steps enough. What C++ gains"
+        " by an index is left out; its vector instructions and orders that learn are not."
+    )
+    table_name = f"table {TABLE[kind]}" if kind in TABLE else "section 6.1"
+    return Figure(title, svg_of(fig), caption(run, what, table_name), table, name)
 
 
 def statements_part(scenes, notes=()):

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from analysis.figures.figure import Explorer, style
-from analysis.tables import pareto
-from analysis.tables.clauses import KEYS
+from ..figures.figure import Explorer, style
+from ..tables import pareto
+from ..tables.clauses import KEYS
 
 LETTERS = {name: letter for letter, name in KEYS.items()}
 MEASURES = ("error", "recall", "precision", "matthews", "false_negative", "false_positive", "hits", "time_mean_ns",

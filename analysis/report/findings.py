@@ -6,13 +6,13 @@ unfinished integration, cases left out) come first.
 
 import numpy as np
 
-from analysis.figures import extremes as extremes_figures
-from analysis.tables import causes as why
-from analysis.tables import extremes, intervals, pareto, studies, study_tables
-from analysis.figures.drawing import NotDrawn, places, plain, time_text
-from analysis.figures.figure import Points, Section
-from analysis.figures.study import FAILED, OTHERWISE, causes, drift_words, follow_text, heads_of, steady
-from analysis.words import counted, listed, number, verb
+from ..figures import extremes as extremes_figures
+from ..tables import causes as why
+from ..tables import extremes, intervals, pareto, studies, study_tables
+from ..figures.drawing import NotDrawn, places, plain, time_text
+from ..figures.figure import Points, Section
+from ..figures.study import FAILED, OTHERWISE, causes, drift_words, follow_text, heads_of, steady
+from ..words import counted, listed, number, verb
 
 
 def section(runs):

@@ -8,13 +8,13 @@ import re
 import numpy as np
 import pandas as pd
 
-from analysis.figures.figure import ABOUT, Explorer, Figure, Points, Table, Text, Verdicts, slug
-from analysis.figures.thesis_tables import spelled
-from analysis.output import templates
-from analysis.report import vega
-from analysis.tables.clauses import shown as value
-from analysis.tables.sentences import NAMES
-from analysis.words import counted
+from ..figures.figure import ABOUT, Explorer, Figure, Points, Table, Text, Verdicts, slug
+from ..figures.thesis_tables import spelled
+from ..output import templates
+from . import vega
+from ..tables.clauses import shown as value
+from ..tables.sentences import NAMES
+from ..words import counted
 
 HERE = pathlib.Path(__file__).parent
 

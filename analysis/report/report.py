@@ -5,19 +5,20 @@ import os
 
 import pandas as pd
 
-from analysis.figures import error as plots_error
-from analysis.figures import extremes as extremes_figures
-from analysis.figures import knobs as knobs_figures
-from analysis.figures import nine
-from analysis.figures import study as study_figures
-from analysis.figures import sweep as sweep_figures
-from analysis.figures import thesis as thesis_figures
-from analysis.report import findings
-from analysis.tables import pareto, scenes
-from analysis.figures.figure import ABOUT, Figure, Section, Table, Text, know
-from analysis.report.explorer import explorer
-from analysis.report.page import page
-from analysis.words import counted, listed, number, verb
+from ..figures import error as plots_error
+from ..figures import engines as engines_figures
+from ..figures import extremes as extremes_figures
+from ..figures import knobs as knobs_figures
+from ..figures import nine
+from ..figures import study as study_figures
+from ..figures import sweep as sweep_figures
+from ..figures import thesis as thesis_figures
+from . import choice, findings
+from ..tables import pareto, scenes
+from ..figures.figure import ABOUT, Figure, Section, Table, Text, know
+from .explorer import explorer
+from .page import page
+from ..words import counted, listed, number, verb
 
 SUMMARY = {  # column of the summary -> its head
     "error": "error",
@@ -226,12 +227,21 @@ def foreign_sections(runs, found):
     return [part for part in [foreign(runs)] if part]
 
 
+def choice_sections(runs, found):
+    return [part for part in [choice.section(found)] if part]
+
+
+def engines_sections(runs, found):
+    return engines_figures.sections([run for run in runs if not is_study(run)])
+
+
 def about_sections(runs, found):
     return [*([definitions()] if any(not is_study(run) for run in runs) else []), provenance(runs)]
 
 
-SECTIONS = [findings_sections, verdict_sections, nine_sections, studies_sections, extremes_sections, answers_sections,
-            knobs_sections, thesis_sections, drift_sections, foreign_sections, about_sections]
+SECTIONS = [findings_sections, choice_sections, verdict_sections, nine_sections, engines_sections, studies_sections,
+            extremes_sections, answers_sections, knobs_sections, thesis_sections, drift_sections, foreign_sections,
+            about_sections]
 
 
 def sections(runs, found, completed):
@@ -337,6 +347,11 @@ def warnings(runs, found):
 def doubtful_times(run):
     """What makes mean times of a run doubtful; one line each."""
     table, lines = run.summary, []
+    if run.unlike:
+        processors = dict.fromkeys(name for names in run.unlike.values() for name in names)
+        who = listed(run.unlike) if len(run.unlike) < len(run.meta["algorithms"]) else "all algorithms"
+        lines.append(f"timed on unlike processors ({'; '.join(processors)}): {who}. Such times are drawn nowhere; `pipeline"
+                     " show` has them by processor, and “pipeline detect FILE --force” times anew on one.")
     if {"time_mean_ns", "time_p95_ns"} <= set(table):
         few = list(table.index[table.time_mean_ns > table.time_p95_ns])
         if few:

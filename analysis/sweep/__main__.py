@@ -2,7 +2,8 @@
 
 SWEEP.toml names a configuration, the values of its keys and the seeds (configs/README.md); Snakemake runs the points,
 one table has them all, failed ones with their reason. A rerun repeats only points that are missing, failed, or whose
-configuration, inputs or program changed.
+configuration, inputs or program changed. --shards N has N processes work on every point, on as many nodes: for one
+large configuration, which may be given in the place of a sweep.
 
 Exit codes as the pipeline's: 0 all points are done, 1 some failed (the table is written and says which), 2 the command
 line's grammar, 3 what is wrong in SWEEP.toml, 4 the folder of the results, 130 interrupted; the same command goes on.
@@ -26,12 +27,15 @@ import sys
 import tempfile
 import time
 
-from analysis.output import open_standard_descriptors, say, visible
-from analysis.sweep import tables
-from analysis.sweep.plan import Refused, points, read, refuse_if_many
-from analysis.sweep.state import file_sha256, identity, read_json, state, why_again, write_json
+from ..output import open_standard_descriptors, say, visible
+from ..program import default_program
+from . import tables
+from .plan import Refused, points, read, refuse_if_many
+from .state import file_sha256, identity, read_json, state, why_again, write_json
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+HERE = os.path.dirname(os.path.abspath(__file__))
+ABOVE = os.path.dirname(os.path.dirname(HERE))
+PACKAGE = __package__.rpartition(".")[0]  # as it is imported: analysis, or collision_analysis
 SLURM_JOBS = 64  # at a time, unless -j says otherwise
 MORE_MEMORY, MORE_MEMORY_MB = 1.5, 256  # than check foresees: it is right within a factor of 1.5
 MORE_TIME, MORE_MINUTES = 2, 10  # than the longer of check's range: nodes differ, a file system may be slow
@@ -61,13 +65,17 @@ def main(arguments=None):
 def parsed(arguments):
     parser = argparse.ArgumentParser(prog="scripts/sweep", description=__doc__.split("\n", 1)[0])
     parser.add_argument(
-        "sweep", metavar="SWEEP.toml", help="a configuration, the values of its keys, seeds; see configs/sweeps"
+        "sweep",
+        metavar="SWEEP.toml",
+        help="a configuration, the values of its keys, seeds; see configs/sweeps. Or a configuration alone",
     )
     parser.add_argument(
         "-o", "--output", metavar="FOLDER", help="folder of the results (default: results/<name of SWEEP>)"
     )
     jobs = f"processors to use here (1: side by side, points disturb each other's times); jobs on Slurm ({SLURM_JOBS})"
     parser.add_argument("-j", "--jobs", type=int, metavar="N", help=jobs)
+    shards = "workers that share each point: its motion is made by one, truth and answers by all"
+    parser.add_argument("--shards", type=int, metavar="N", help=shards)
     parser.add_argument(
         "--slurm", action="store_true", help="a Slurm job for every point; the folder must be one that all nodes see"
     )
@@ -77,17 +85,19 @@ def parsed(arguments):
         "--dry-run", action="store_true", help="say what would run, how large it is and how long it takes"
     )
     parser.add_argument("--yes", action="store_true", help="more than a thousand points are meant")
-    program = os.environ.get("PIPELINE") or os.path.join(ROOT, "build", "pipeline")
     named = "the built program (default: build/pipeline of this folder, or what PIPELINE names)"
-    parser.add_argument("--program", default=program, help=named)
+    parser.add_argument("--program", default=default_program(), help=named)
     chosen = parser.parse_args(arguments)
     if chosen.jobs is not None and chosen.jobs < 1:
         parser.error("-j: must be at least 1")
+    if chosen.shards is not None and not 1 <= chosen.shards <= 1000:
+        parser.error("--shards: must be 1 to 1000")
+    chosen.shards = chosen.shards or 0
     if not chosen.slurm and (chosen.partition or chosen.account):
         parser.error("--partition and --account are Slurm's; add --slurm")
     if any(word and not re.fullmatch(r"[A-Za-z0-9_.@-]+", word) for word in (chosen.partition, chosen.account)):
         parser.error("--partition and --account are names of letters, digits and _.@-")
-    chosen.jobs = chosen.jobs or (SLURM_JOBS if chosen.slurm else 1)
+    chosen.jobs = chosen.jobs or (SLURM_JOBS if chosen.slurm else max(1, chosen.shards))
     return chosen
 
 
@@ -177,12 +187,14 @@ class Job:
             if why:
                 self.again[point.name] = why
         self.plan = {
-            "python": f"env PYTHONPATH={shlex.quote(ROOT)} {shlex.quote(sys.executable)}",  # that of scripts/python
+            "python": f"env PYTHONPATH={shlex.quote(ABOVE)} {shlex.quote(sys.executable)}",  # as scripts/python has it
+            "module": f"{PACKAGE}.sweep.point",
             "program": program,
             "folder": folder,
             "cwd": sweep.folder,
             "options": sweep.options,
             "threads": sweep.threads,
+            "shards": chosen.shards,
             "check": [],
             "run": [],
         }
@@ -344,7 +356,7 @@ class Job:
         write_json(os.path.join(self.work, "plan.json"), self.plan)
         for name in ("checked", "ran"):
             shutil.rmtree(os.path.join(self.work, name), ignore_errors=True)
-        snakefile = os.path.join(ROOT, "analysis", "sweep", "Snakefile")
+        snakefile = os.path.join(HERE, "Snakefile")
         command = ["snakemake", "--snakefile", snakefile, target, "--keep-going", "--nolock", "--ignore-incomplete",
                    "--rerun-triggers", "mtime", "--drop-metadata", "--scheduler", "greedy", "--nocolor"]  # fmt: skip
         if self.chosen.slurm and target == "points":
@@ -378,16 +390,22 @@ class Job:
 
     def tell_new(self, seen):
         try:
-            there = [int(name) for name in os.listdir(os.path.join(self.work, "ran"))]
+            there = set(os.listdir(os.path.join(self.work, "ran")))
         except FileNotFoundError:
             return
-        for number in sorted(set(there) - seen):
-            seen.add(number)
+        for entry in sorted(name for name in there - seen if name.endswith(".motion")):
+            seen.add(entry)
+            name = self.plan["run"][int(entry.removesuffix(".motion"))]["name"]
+            if (state(self.folder, name) or {}).get("status") == "running":
+                self.tell(f"{name}: its motion is made, {self.chosen.shards} workers share the rest")
+        for number in sorted(int(name) for name in there - seen if name.isdigit()):
+            seen.add(str(number))
             name = self.plan["run"][number]["name"]
             kept = state(self.folder, name) or {}
             took = "" if kept.get("wall_time_s") is None else f", {span(kept['wall_time_s'])}"
             why = f": {kept['reason']}" if kept.get("reason") else ""
-            self.tell(f"{len(seen)}/{len(self.plan['run'])}  {name}: {kept.get('status', '?')}{took}{why}")
+            done = sum(entry.isdigit() for entry in seen)
+            self.tell(f"{done}/{len(self.plan['run'])}  {name}: {kept.get('status', '?')}{took}{why}")
 
     def tell(self, text):
         print(visible(text), file=sys.stderr, flush=True)
@@ -401,7 +419,7 @@ def slurm_reasons(log):
     except OSError:
         return {}
     found = {}
-    for block in text.split("Error in rule point:")[1:]:
+    for block in re.split(r"Error in rule (?:point|motion|work):", text)[1:]:
         number, status = re.search(r"output: ran/(\d+)", block), re.search(r"SLURM status is: '(\w+)'", block)
         if number and status:
             found.setdefault(int(number[1]), f"Slurm says {status[1]}")

@@ -63,7 +63,7 @@ class Point:
 
 
 def read(path):
-    """The Sweep of the file at `path`. Raises Refused."""
+    """The Sweep of the file at `path`, which may be a configuration alone. Raises Refused."""
     path = os.fspath(path)
     try:
         with open(path, "rb") as file:
@@ -72,6 +72,8 @@ def read(path):
         raise Refused(f"{path}: cannot be read ({error.strerror})") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise Refused(f"{path}: is no TOML: {error}") from error
+    if "config" not in raw and isinstance(raw.get("scene"), dict):  # a configuration is a sweep of one point
+        raw = {"config": os.path.abspath(path), "title": raw.get("title", _stem(path))}
     _known(path, raw, KEYS, "")
     name = os.path.splitext(os.path.basename(path))[0]
     if not PLAIN.fullmatch(name):

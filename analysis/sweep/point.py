@@ -1,10 +1,13 @@
 """What Snakemake starts: one point of a sweep, or the question what points would take.
 
-    scripts/python -m analysis.sweep.point run|check PLAN.json NUMBER
+    scripts/python -m analysis.sweep.point run|motion|check PLAN.json NUMBER
+    scripts/python -m analysis.sweep.point work PLAN.json NUMBER SHARD
 
 `run` runs the program once and keeps what came of it in points/NAME.json, whatever it is: a run that fails is a row of
 the table, not an error of the sweep. So it ends with 0, unless it was stopped or nothing can be written. The file is
 there from the start, so that a process that dies without a word has left its host and its job.
+
+With shards `motion` comes before, then workers, and `run` assembles: what a worker could not do, it does.
 """
 
 import json
@@ -15,7 +18,7 @@ import subprocess
 import sys
 import time
 
-from analysis.sweep.state import identity, inputs_sha256, write_json
+from .state import identity, inputs_sha256, read_json, write_json
 
 NOTE = "warning: "
 STOPS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
@@ -24,15 +27,39 @@ TAIL = 1 << 16  # bytes of a log in which the reason is looked for
 
 
 def main():
-    _, act, plan, number = sys.argv
+    _, act, plan, number, *shard = sys.argv
     with open(plan, encoding="utf-8") as file:
         plan = json.load(file)
-    return {"run": run, "check": check}[act](plan, plan[act][int(number)])
+    of = plan["check" if act == "check" else "run"][int(number)]
+    return {"run": run, "motion": motion, "work": work, "check": check}[act](plan, of, *shard)
 
 
-def run(plan, point):
+def motion(plan, point):
+    """Makes the motion of a point that workers will share; 0 as run."""
+    return run(plan, point, ["--motion-only"])
+
+
+def work(plan, point, shard):
+    """Fills chunks of a point beside other workers. What it cannot do, for want of disk or memory say, others do: only
+    one that was stopped is worth another try."""
+    base = os.path.join(plan["folder"], "points", point["name"])
+    if (read_json(base + ".json") or {}).get("status") != "running":
+        return 0  # its motion could not be made
+    options = plan["options"]
+    plugins = [word for option, value in zip(options, [*options[1:], ""]) if option == "--plugin"
+               for word in (option, value)] + [option for option in options if option.startswith("--plugin=")]
+    command = [plan["program"], "work", base + ".h5.part", "--quiet", "--threads", str(plan["threads"]),
+               "--config", point["config"], *_sets(point), *plugins]
+    code, ended = _process(command, plan["cwd"], f"{base}.work-{shard}.log")
+    return 1 if ended else 0
+
+
+def run(plan, point, only=()):
     """Runs one point; 0 when the file of its state says what came of it."""
     base = os.path.join(plan["folder"], "points", point["name"])
+    before = read_json(base + ".json") or {} if plan["shards"] and not only else {}
+    if before and before.get("status") != "running":
+        return 0  # it has failed
     state = {name: point[name] for name in ("name", "parameters", "config", "sets", "identity")} | {
         "status": "running",
         "reason": "",
@@ -42,7 +69,7 @@ def run(plan, point):
         "job": os.environ.get("SLURM_JOB_ID", ""),
         "started": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
         "began": time.time(),
-    }
+    } | {name: before[name] for name in ("started", "began") if name in before}
     try:
         write_json(base + ".json", state)
         changed = identity(plan["program"], point["config"], point["sets"], plan["options"])
@@ -53,7 +80,11 @@ def run(plan, point):
                 "reason": f"{', '.join(what)} changed while the sweep was running; run it again",
             }
         else:
-            state |= _ran(plan, point, base)
+            state |= _ran(plan, point, base, only)
+            if before:
+                state["wall_time_s"] = round(time.time() - state["began"], 3)  # of all that shared it
+        if only and state["status"] == "done":
+            state["status"] = "running"
         write_json(base + ".json", state)
     except OSError as error:
         print(f"{base}.json: cannot be written ({error.strerror})", file=sys.stderr)
@@ -61,13 +92,12 @@ def run(plan, point):
     return 1 if state["status"] == "stopped" else 0
 
 
-def _ran(plan, point, base):
-    command = [plan["program"], "run", point["config"], "-o", base + ".h5", "--quiet", "--force",
-               "--threads", str(plan["threads"]), *_sets(point), *plan["options"]]
-    stopped, began = [], time.monotonic()
-    with open(base + ".log", "wb") as log:
+def _process(command, folder, log):
+    """Runs it; its exit code, and the signal by which it or this process was told to stop, None if by none."""
+    stopped = []
+    with open(log, "wb") as file:
         process = subprocess.Popen(
-            command, cwd=plan["cwd"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log
+            command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file
         )
 
         def stop(
@@ -79,9 +109,17 @@ def _ran(plan, point, base):
         for number in STOPS:
             signal.signal(number, stop)
         code = process.wait()
-    found = {"exit_code": code if code >= 0 else 128 - code, "wall_time_s": round(time.monotonic() - began, 3)}
     # A scheduler's signal goes to all processes of a job; the program may end before this one has noticed its own.
     ended = stopped[0] if stopped else -code if -code in STOPS else signal.SIGTERM if code == INTERRUPTED else None
+    return code, ended
+
+
+def _ran(plan, point, base, only):
+    command = [plan["program"], "run", point["config"], "-o", base + ".h5", "--quiet", "--force",
+               "--threads", str(plan["threads"]), *only, *_sets(point), *plan["options"]]
+    began = time.monotonic()
+    code, ended = _process(command, plan["cwd"], base + ".log")
+    found = {"exit_code": code if code >= 0 else 128 - code, "wall_time_s": round(time.monotonic() - began, 3)}
     if ended:
         reason = f"stopped by {signal.Signals(ended).name} (cancelled, or its time was up); a rerun goes on from there"
         return found | {"status": "stopped", "reason": reason}
@@ -89,7 +127,7 @@ def _ran(plan, point, base):
         memory = " (its memory was up?)" if code == -signal.SIGKILL else ""
         return found | {"status": "failed", "reason": f"killed by {signal.Signals(-code).name}{memory}"}
     reason = "" if code == 0 else _reason(base) or f"exit code {code} without a word"
-    if code in (0, 1) and os.path.exists(base + ".h5"):
+    if code in (0, 1) and not only and os.path.exists(base + ".h5"):
         try:
             found |= _told(base + ".h5")
         except (OSError, KeyError, ValueError, RuntimeError) as error:
@@ -99,7 +137,7 @@ def _ran(plan, point, base):
 
 def _told(path):
     """What the table needs of a result."""
-    from analysis.load import load  # takes a second, which points that fail early need not
+    from ..load import load  # takes a second, which points that fail early need not
 
     result = load(path)
     rows = []
@@ -120,12 +158,18 @@ def _told(path):
         "inputs": inputs_sha256(result.meta.get("inputs_sha256", "{}")),
         "title": result.meta.get("title", ""),
         "build": " ".join(str(result.meta.get(name, "")) for name in ("git_commit", "build_type", "compiler")),
-        "processor": result.meta["run"].get("processor", ""),
+        "processor": _processor(result),
         "steps": result.meta["steps"],
         "bodies": len(result.meta["bodies"]),
         "truth_hits": int(result.truth_hits.sum()),
         "summary": rows,
     }
+
+
+def _processor(result):
+    """On which it was timed; of a run that was shared it may have been assembled on another."""
+    timed = [answers["processor"] for answers in result.meta["answers"].values() if answers.get("processor")]
+    return timed[0] if timed else result.meta["run"].get("processor", "")
 
 
 def plain(value):

@@ -11,8 +11,8 @@ from typing import Callable
 import numpy as np
 import pandas as pd
 
-from analysis.tables.clauses import KEYS
-from analysis.words import listed, number, verb
+from .clauses import KEYS
+from ..words import listed, number, verb
 
 SAMPLERS = ("facet_triangles", "facet_rotations")
 NEEDED = 3  # sampled facets of a body that make one triangle

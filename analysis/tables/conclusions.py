@@ -6,8 +6,8 @@ in general, all three scenes decide, where it tells of the playground that alone
 
 import numpy as np
 
-from analysis.tables import thresholds as t
-from analysis.tables.clauses import NotTestable, clause, told
+from . import thresholds as t
+from .clauses import NotTestable, clause, told
 
 BOTH = ("box", "falling")
 PLAY = ("playground",)

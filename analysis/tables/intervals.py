@@ -41,6 +41,11 @@ def ratio(times, others):
     return _interval(blocks(times), blocks(others))
 
 
+def of_blocks(a, b):
+    """The ratio of two sums over the same blocks of steps (as `blocks` has them), with its interval."""
+    return _interval(np.asarray(a, float), np.asarray(b, float))
+
+
 def apart(mean, other):
     """The ratio of two means with intervals that come from different runs, with its interval: deviations add by
     squares."""

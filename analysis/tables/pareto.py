@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from analysis.tables import intervals
-from analysis.tables.intervals import Interval
+from . import intervals
+from .intervals import Interval
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def _points(runs):
                     "library": bool(answers.get("library")),
                     "machine": machine(answers),
                     "asked": asked(answers),
-                    "times": run.step_times.get(label, np.zeros(0)),
+                    "times": np.zeros(0) if label in run.unlike else run.step_times.get(label, np.zeros(0)),
                     "floor": run.noise,
                 }
                 | row.to_dict()

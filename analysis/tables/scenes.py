@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from analysis.tables import causes, intervals
-from analysis.tables.clauses import KEYS
-from analysis.tables.thresholds import MIDDLE_M, PARALLEL, THIN
+from . import causes, intervals
+from .clauses import KEYS
+from .thresholds import MIDDLE_M, PARALLEL, THIN
 
 TURN_EPSILON = 1e-6  # of matrices and quaternions; the turns of a playground are tens of degrees
 
@@ -118,9 +118,10 @@ def timed(run):
     first = run.bodies.first_step.to_numpy()
     there = (first[None, :] >= 0) & (first[None, :] <= np.arange(run.meta["steps"])[:, None])
     hosts = {(answers["host"], answers["processor"]) for answers in run.meta["answers"].values()}
-    host = " ".join(hosts.pop()) if len(hosts) == 1 else ""  # "" when algorithms were timed on different machines
-    return Timed(run.summary, run.per_step, there.sum(axis=1), host, twins(run), run.step_times, run.noise,
-                 causes.of(run))
+    alike = len(hosts) == 1 and not run.unlike
+    host = " ".join(hosts.pop()) if alike else ""  # "" when algorithms were timed on different machines
+    times = {label: times for label, times in run.step_times.items() if label not in run.unlike}
+    return Timed(run.summary, run.per_step, there.sum(axis=1), host, twins(run), times, run.noise, causes.of(run))
 
 
 def twins(run):

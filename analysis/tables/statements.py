@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.tables import causes, conclusions, intervals, thresholds as t
-from analysis.tables.clauses import KEYS, NotTestable, clause, hold, told, yes
-from analysis.tables.sentences import SENTENCES
-from analysis.words import listed
+from . import causes, conclusions, intervals, thresholds as t
+from .clauses import KEYS, NotTestable, clause, hold, told, yes
+from .sentences import SENTENCES
+from ..words import listed
 
 CAREFUL = "_careful"
 PUBLISHED = " published"

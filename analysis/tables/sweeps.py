@@ -4,14 +4,15 @@ which findings hold at every point."""
 import itertools
 import os
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import pandas as pd
 
-from analysis.load import load
-from analysis.tables import pareto, scenes
-from analysis.tables.statements import verdicts
-from analysis.words import listed, verb
+from ..load import load
+from . import intervals, pareto, scenes
+from .statements import verdicts
+from ..words import listed, verb
 
 OF_STATEMENTS = ("box", "falling", "playground")
 
@@ -131,14 +132,31 @@ def told(rows):
 
 def order(table, column):
     """Label by label: at how many points the row's `column` is below the column's, and of how many points that have
-    both. Two frames of counts."""
+    both. Two frames of counts. Of times it is below where that can be told: by the interval of their ratio over the
+    same steps, where the point's file has one, else by their means."""
     wide = answers(table).pivot_table(index="point", columns="label", values=column, sort=False)
     labels = list(wide.columns)
     below, both = pd.DataFrame(0, labels, labels), pd.DataFrame(0, labels, labels)
-    for a, b in itertools.permutations(labels, 2):
-        known = wide[[a, b]].dropna()
-        below.loc[a, b], both.loc[a, b] = int((known[a] < known[b]).sum()), len(known)
+    for point, row in wide.iterrows():
+        times, floor = _times(table.attrs.get("folder"), point) if column == "time_mean_ns" else ({}, None)
+        for a, b in itertools.combinations([label for label in labels if not np.isnan(row[label])], 2):
+            both.loc[a, b] += 1
+            both.loc[b, a] += 1
+            if a in times and b in times and intervals.alike(intervals.ratio(times[a], times[b]), floor):
+                continue
+            below.loc[a, b] += int(row[a] < row[b])
+            below.loc[b, a] += int(row[b] < row[a])
     return below, both
+
+
+@lru_cache(maxsize=4096)
+def _times(folder, point):
+    """label -> time per step of a point's result, and its noise floor; nothing where it cannot be read."""
+    try:
+        run = load(os.path.join(folder, "points", point + ".h5"))
+    except (OSError, KeyError, ValueError, RuntimeError, TypeError):
+        return {}, None
+    return {label: times for label, times in run.step_times.items() if label not in run.unlike}, run.noise
 
 
 def undecided(table, column):

@@ -5,10 +5,7 @@
 const measure = (() => {
   const MOST_TRIANGLE_PAIRS = 3e7; // about a second in a browser
 
-  const sub = (p, q) => [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-  const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-  const cross = (p, q) => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-  const along = (p, d, t) => [p[0] + t * d[0], p[1] + t * d[1], p[2] + t * d[2]];
+  const { sub, dot, cross, along } = vectors;
   const clamp = (x) => Math.min(1, Math.max(0, x));
 
   // Triangles with corners, box, and a sphere about the box's middle. vertex(i) is the i-th vertex in the world.
@@ -116,9 +113,9 @@ const measure = (() => {
     }
   }
 
-  // { segments: [[p, q], ...] where the surfaces cross, pairs: how many triangle pairs do, gap: { distance, from, to }
+  // { segments: [[p, q], ...] where the surfaces cross, pairs: how many pairs of triangles do, gap: { distance, from, to }
   // when none does }; null when the meshes are too large.
-  return function (one, other) {
+  function measure(one, other) {
     if ((one.index.length / 3) * (other.index.length / 3) > MOST_TRIANGLE_PAIRS) return null;
     const a = triangles(one.index, one.vertex),
       b = triangles(other.index, other.vertex);
@@ -151,5 +148,7 @@ const measure = (() => {
         if (away(s, t.middle) < reach * reach) nearest(s, t, gap);
       }
     return { segments, pairs, gap };
-  };
+  }
+
+  return Object.assign(measure, { between });
 })();

@@ -3,14 +3,14 @@
 
 // page: what viewer.js knows. Gives { update, fly, setUp, pixel, all }; throws where there is no WebGL.
 function makePicture(page) {
-  const { data, meshes, poses, state, KINDS, NONE, listed, place, radius, name, kindOf, bodyKinds, choose } = page;
+  const { data, meshes, poses, state, KINDS, NONE, listed, place, radius, name, kindOf, bodyKinds, choose, toDrawn } =
+    page;
   const $ = (id) => document.getElementById(id);
   const view = $("view"),
     root = new THREE.Group(),
     scene = new THREE.Scene();
   const renderer = new THREE.WebGLRenderer({ antialias: true });
   renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
-  renderer.setClearColor(0xeef1f4);
   renderer.domElement.setAttribute("aria-label", "The bodies in 3D; what is in it is listed beside it");
   renderer.domElement.setAttribute("role", "img");
   view.prepend(renderer.domElement);
@@ -61,9 +61,11 @@ function makePicture(page) {
     return (made[mesh] =
       made[mesh] || (sharp ? new THREE.EdgesGeometry(shapes[mesh], 20) : new THREE.WireframeGeometry(shapes[mesh])));
   }
-  const thin = new THREE.LineBasicMaterial({ color: 0x1d2530, transparent: true, opacity: 0.3 });
-  const strong = new THREE.LineBasicMaterial({ color: 0x1d2530, transparent: true, opacity: 0.6 });
-  const lace = new THREE.LineBasicMaterial({ color: 0x1d2530, transparent: true, opacity: 0.16 }); // over both sides
+  const thin = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.3 });
+  const strong = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.6 });
+  const lace = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.16 }); // over both sides
+  const css = (property) => new THREE.Color(getComputedStyle(document.body).getPropertyValue(property).trim());
+  let ink = css("--ink");
 
   const things = data.bodies.map((body, b) => {
     const thing = new THREE.Mesh(shapes[body.mesh], material(NONE, "solid"));
@@ -80,7 +82,7 @@ function makePicture(page) {
   }
 
   // Square bars from point to point, drawn over everything: lines of WebGL are one pixel wide.
-  function bars(segments, thickness, color) {
+  function bars(segments, thickness, color, opacity = 0.9, hidden = false) {
     const position = [],
       index = [];
     const p = new THREE.Vector3(),
@@ -115,9 +117,9 @@ function makePicture(page) {
     shape.setIndex(index);
     const over = new THREE.MeshBasicMaterial({
       color,
-      depthTest: false,
+      depthTest: hidden, // by what is before them
       transparent: true,
-      opacity: 0.9,
+      opacity,
       side: THREE.DoubleSide,
     });
     const made = new THREE.Mesh(shape, over);
@@ -132,6 +134,54 @@ function makePicture(page) {
       mark.material.dispose();
     }
     marks.remove(...marks.children);
+  }
+
+  // What the algorithm compares of a body: lines as bars while they are few, else as lines of one pixel; faces and balls
+  // see-through; points as dots of a few pixels.
+  const MOST_BARS = 400;
+  function showSeen({ lines = [], faces = [], points = [], balls = [] }, color, thickness, opacity) {
+    const drawn = (list) => list.map((corners) => corners.map(toDrawn));
+    const shaped = (list) => {
+      const shape = new THREE.BufferGeometry();
+      shape.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(list.flat(2)), 3));
+      return shape;
+    };
+    const sheer = (strength) =>
+      new THREE.MeshBasicMaterial({
+        color,
+        opacity: strength,
+        transparent: true,
+        depthWrite: false,
+        side: THREE.DoubleSide,
+      });
+    if (lines.length && lines.length <= MOST_BARS)
+      marks.add(bars(drawn(lines), lines.length > 20 ? thickness / 2 : thickness, color, opacity, true));
+    else if (lines.length) {
+      const look = new THREE.LineBasicMaterial({ color, transparent: true, opacity });
+      marks.add(new THREE.LineSegments(shaped(drawn(lines)), look));
+    }
+    if (faces.length) marks.add(new THREE.Mesh(shaped(drawn(faces)), sheer(0.12 * opacity)));
+    if (points.length) {
+      const look = new THREE.PointsMaterial({ color, size: 5 * renderer.getPixelRatio(), sizeAttenuation: false });
+      marks.add(new THREE.Points(shaped([points.map(toDrawn)]), look));
+    }
+    for (const [centre, metres] of balls) {
+      const ball = new THREE.Mesh(new THREE.SphereBufferGeometry(metres / data.unit, 48, 32), sheer(0.13 * opacity));
+      ball.position.fromArray(toDrawn(centre));
+      marks.add(ball);
+      const circle = Array.from({ length: 65 }, (_, i) => [Math.cos((i * Math.PI) / 32), Math.sin((i * Math.PI) / 32)]);
+      const rings = [0, 1, 2].flatMap((c) =>
+        circle
+          .slice(1)
+          .map((_, i) =>
+            [circle[i], circle[i + 1]].map((uv) =>
+              centre.map((x, k) => x + metres * (k === c ? 0 : uv[k === (c + 1) % 3 ? 0 : 1])),
+            ),
+          ),
+      );
+      marks.add(bars(drawn(rings), thickness, color, opacity, true));
+    }
+    for (const made of marks.children) made.renderOrder = made.renderOrder || 5;
   }
 
   // From middle to middle; none to a see-through plate or wall, whose middle is far from the pair.
@@ -149,6 +199,9 @@ function makePicture(page) {
   }
 
   function update() {
+    ink = css("--ink");
+    renderer.setClearColor(css("--ground"));
+    for (const material of [thin, strong, lace]) material.color = ink;
     const measured = page.measured();
     const shells = new Set(page.contained().map(([a, b]) => (radius(a) > radius(b) ? a : b))); // hold a body inside
     const kinds = bodyKinds(),
@@ -198,9 +251,28 @@ function makePicture(page) {
     clearMarks();
     if (!pair && !chosen.length) ["fp", "fn"].forEach(links);
     const size = 0.012 * Math.min(...chosen.map(radius));
-    if (measured && measured.pairs) marks.add(bars(measured.segments, size, 0x000000));
+    const shown = page.seen();
+    if (shown) {
+      const colors = ["--first", "--second"].map(css);
+      shown.bodies.forEach(([view, filter], i) => {
+        showSeen(view, colors[i], size / 2, 0.9);
+        showSeen({ lines: filter.lines, balls: filter.balls }, colors[i], size / 5, 0.7);
+      });
+      const { lines = [], faces = [], points = [] } = shown.marks;
+      const red = css("--decides");
+      if (lines.length)
+        marks.add(
+          bars(
+            lines.map((line) => line.map(toDrawn)),
+            0.8 * size,
+            red,
+          ),
+        );
+      showSeen({ faces, points }, red, size, 3);
+    }
+    if (measured && measured.pairs) marks.add(bars(measured.segments, size, ink));
     else if (measured && measured.gap && measured.gap.from)
-      marks.add(bars([[measured.gap.from, measured.gap.to]], size, 0x000000));
+      marks.add(bars([[measured.gap.from, measured.gap.to]], size, ink));
     draw();
   }
 
@@ -210,12 +282,61 @@ function makePicture(page) {
       at = body === undefined ? null : place(body);
     label.hidden = !at || data.bodies[body].big;
     if (label.hidden) return;
-    const above = new THREE.Vector3(0, 1, 0).applyQuaternion(camera.quaternion).multiplyScalar(radius(body));
-    const p = seen(at).add(above).project(camera);
-    label.hidden = Math.abs(p.z) > 1;
+    const { mesh } = data.bodies[body],
+      { vertices } = meshes[mesh],
+      stride = 3 * Math.ceil(vertices.length / 3 / 500), // of a fine mesh some vertices tell where its top is
+      matrix = things[body].matrixWorld;
+    let top = null;
+    for (let i = 0; i < vertices.length; i += stride) {
+      const p = new THREE.Vector3(vertices[i], vertices[i + 1], vertices[i + 2]).applyMatrix4(matrix).project(camera);
+      if (Math.abs(p.z) <= 1 && (!top || p.y > top.y)) top = p;
+    }
+    label.hidden = !top;
+    if (!top) return;
     label.textContent = name(body);
-    label.style.left = ((p.x + 1) / 2) * view.clientWidth + "px";
-    label.style.top = ((1 - p.y) / 2) * view.clientHeight + "px";
+    const wide = label.offsetWidth / 2 + 4,
+      within = (x, low, high) => Math.min(Math.max(x, low), Math.max(low, high));
+    label.style.left = within(((top.x + 1) / 2) * view.clientWidth, wide, view.clientWidth - wide) + "px";
+    label.style.top = within(((1 - top.y) / 2) * view.clientHeight, 72, view.clientHeight) + "px";
+  }
+
+  // A bar of 1, 2 or 5 times a power of ten metres, as long as that is at the point that the camera turns about.
+  function showScale(away) {
+    const metres = ((2 * away * Math.tan((camera.fov / 2) * (Math.PI / 180))) / view.clientHeight) * data.unit, // a pixel
+      most = 130 * metres;
+    if (!(most > 0 && isFinite(most))) return;
+    const power = 10 ** Math.floor(Math.log10(most)),
+      long = [5, 2, 1].map((k) => k * power).find((x) => x <= most) || power;
+    const [unit, name] = [
+      [1e3, "km"],
+      [1, "m"],
+      [1e-2, "cm"],
+      [1e-3, "mm"],
+      [1e-6, "µm"],
+      [1e-9, "nm"],
+    ].find(([size]) => long >= size * (1 - 1e-9)) || [1, "m"];
+    const bar = $("scale");
+    bar.hidden = false;
+    bar.dataset.metres = long;
+    bar.firstElementChild.textContent =
+      long < 1e-10 || long >= 1e7 ? long.toExponential(0) + " m" : Number((long / unit).toPrecision(3)) + " " + name;
+    bar.lastElementChild.style.width = long / metres + "px";
+  }
+
+  // The world's axes as the camera sees them.
+  function showAxes() {
+    const turn = camera.quaternion.clone().inverse();
+    const lines = ["x", "y", "z"].map((axis, c) => {
+      const p = new THREE.Vector3(...[0, 1, 2].map((k) => (k === c ? 1 : 0)))
+        .applyQuaternion(root.quaternion)
+        .applyQuaternion(turn);
+      const at = (r) => [r * p.x, -r * p.y].map((x) => x.toFixed(1));
+      const [x, y] = at(19),
+        [u, v] = at(26);
+      return `<line x1="0" y1="0" x2="${x}" y2="${y}"/><text x="${u}" y="${v}">${axis}</text>`;
+    });
+    $("axes").innerHTML = lines.join("");
+    $("axes").removeAttribute("hidden");
   }
 
   let asked = false;
@@ -232,6 +353,8 @@ function makePicture(page) {
       const [a, b] = state.chosen || [];
       tag("tag", a);
       tag("tag2", b);
+      showScale(away);
+      showAxes();
     });
   }
   controls.addEventListener("change", draw);
@@ -260,7 +383,7 @@ function makePicture(page) {
   function goal(bodies) {
     let wanted = bodies.filter((b) => !data.bodies[b].big);
     if (!wanted.some((b) => place(b))) wanted = bodies;
-    const { middle, radius } = ball(wanted);
+    const { middle, radius } = near(bodies) || ball(wanted);
     const narrow = Math.min(1, camera.aspect),
       distance = radius / Math.sin((camera.fov / 2) * (Math.PI / 180)) / narrow;
     const target = seen(middle),
@@ -269,20 +392,55 @@ function makePicture(page) {
     return { target, position: target.clone().addScaledVector(direction, distance * (bodies.length > 2 ? 0.8 : 1)) };
   }
 
-  // Turns a direction of view so that a gap is seen from its side: two bodies behind one another show nothing.
+  // The ball about what is measured of a pair, the crossing or the gap: { middle, radius }; null when nothing is.
+  function contact() {
+    const measured = page.measured();
+    if (!measured || !(measured.pairs || measured.gap.from)) return null;
+    const points = measured.pairs ? measured.segments.flat() : [measured.gap.from, measured.gap.to];
+    const middle = [0, 1, 2].map((c) => {
+      const [low, high] = points.reduce(([x, y], p) => [Math.min(x, p[c]), Math.max(y, p[c])], [Infinity, -Infinity]);
+      return (low + high) / 2;
+    });
+    return {
+      middle,
+      radius: points.reduce((most, p) => Math.max(most, Math.hypot(...p.map((x, c) => x - middle[c]))), 0),
+    };
+  }
+
+  // As near to a pair as its crossing or gap and the smaller body allow: a small body on a plate is not lost.
+  function near(bodies) {
+    const met = bodies.length === 2 ? contact() : null;
+    if (!met) return null;
+    const least = Math.min(...bodies.map(radius));
+    return { middle: met.middle, radius: Math.min(ball(bodies).radius, Math.max(1.2 * met.radius, 2.3 * least)) };
+  }
+
+  // Turns a direction of view so that a pair is seen from its side, a little from above that: two bodies behind one
+  // another show nothing.
   function across(direction, [a, b]) {
     const measured = page.measured(),
-      ends = measured && measured.gap ? [measured.gap.from, measured.gap.to] : [place(a), place(b)];
+      small = radius(a) < radius(b) ? a : b;
+    let ends = [place(a), place(b)];
+    if (measured && measured.gap && measured.gap.from) ends = [measured.gap.from, measured.gap.to];
+    else if (measured && measured.pairs && Math.max(radius(a), radius(b)) > 3 * radius(small))
+      ends = [contact().middle, place(small)];
     if (!ends[0] || !ends[1]) return;
     const axis = seen(ends[1]).sub(seen(ends[0])).normalize(),
-      aside = direction.clone().addScaledVector(axis, -direction.dot(axis));
+      part = direction.dot(axis),
+      aside = direction.clone().addScaledVector(axis, -part);
     if (aside.length() < 0.3)
       aside
         .set(0, 1, 0)
         .cross(axis)
         .addScaledVector(direction, 0.3)
-        .addScaledVector(axis, -0.3 * direction.dot(axis));
-    if (aside.length() > 1e-3) direction.copy(aside.normalize());
+        .addScaledVector(axis, -0.3 * part);
+    if (aside.length() > 1e-3)
+      direction.copy(
+        aside
+          .normalize()
+          .addScaledVector(axis, part < 0 ? -0.2 : 0.2)
+          .normalize(),
+      );
   }
 
   let flight = 0;
@@ -298,7 +456,7 @@ function makePicture(page) {
       camera.position.lerpVectors(from.position, to.position, s);
       controls.update();
       draw();
-      if (t < 1) flight = requestAnimationFrame(tick);
+      flight = t < 1 ? requestAnimationFrame(tick) : 0;
     };
     tick(start);
   }
@@ -330,6 +488,7 @@ function makePicture(page) {
   renderer.domElement.addEventListener("pointerdown", (e) => {
     down = e.isPrimary && e.button === 0 ? [e.clientX, e.clientY] : null;
     cancelAnimationFrame(flight);
+    flight = 0;
   });
   renderer.domElement.addEventListener("pointerup", (e) => {
     if (!down || Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 5) return;
@@ -363,5 +522,5 @@ function makePicture(page) {
   resize();
   reach = ball(all).radius;
   fly(all, true);
-  return { update, fly, setUp, pixel, all: () => fly(all) };
+  return { update, fly, setUp, pixel, still: () => !flight && !asked, all: () => fly(all) };
 }

@@ -28,24 +28,21 @@
   const NONE = 0xb9c0c9;
   const MOST_ROWS = 300;
 
-  const { key, keys, truth, contained, algorithms, poses, meshes, answers } = decoded(data);
+  const { key, keys, truth, contained, algorithms, poses, meshes, turned, body, toDrawn, answers } = decoded(data);
   const radius = (body) => meshes[data.bodies[body].mesh].radius;
   const name = (body) => data.bodies[body].name;
   const listed = data.containment === "record" ? ["fn", "fp", "inside", "tp"] : ["fn", "fp", "tp"];
 
-  // x y z of the middle of the body's mesh, in drawn coordinates (data.unit metres about data.centre); null when it is not there.
+  // x y z of the middle of the body's mesh, in drawn coordinates (data.unit metres about data.centre); null when it is
+  // not there.
   function place(body, k = state.k) {
     const i = 7 * (k * data.bodies.length + body);
     return isFinite(poses[i + 4]) && isFinite(poses[i]) ? [poses[i + 4], poses[i + 5], poses[i + 6]] : null;
   }
 
   function turn(body, v, k = state.k) {
-    const i = 7 * (k * data.bodies.length + body),
-      [w, x, y, z] = poses.subarray(i, i + 4);
-    const a = 2 * (y * v[2] - z * v[1]),
-      b = 2 * (z * v[0] - x * v[2]),
-      c = 2 * (x * v[1] - y * v[0]);
-    return [v[0] + w * a + y * c - z * b, v[1] + w * b + z * a - x * c, v[2] + w * c + x * b - y * a];
+    const i = 7 * (k * data.bodies.length + body);
+    return turned(poses.subarray(i, i + 4), v);
   }
 
   // The body as measure() takes it.
@@ -76,10 +73,12 @@
     through: data.bodies.map((body) => body.big), // drawn see-through
     edges: false,
     quiet: false,
+    sees: true,
     playing: false,
   };
   let now = answers(state.k, algorithms[state.algorithm]);
   let measured = null; // of the chosen pair at this step
+  let seen = null; // what the algorithm compares of it, as sees.compare() tells it
 
   const step = () => data.first + state.k;
   const algorithm = () => algorithms[state.algorithm];
@@ -106,8 +105,7 @@
     return made;
   }
   const sign = (kind) => element("span", { class: "sign " + (kind || "none") }, kind ? KINDS[kind].sign : "");
-  const number = (x) =>
-    (Math.abs(x) < 1e-3 || Math.abs(x) >= 1e6) && x !== 0 ? x.toExponential(3) : String(Number(x.toPrecision(6)));
+  const number = (x) => sees.digits(x, 6);
 
   function row(pair, kind, text) {
     const attributes = { "data-pair": key(pair), onclick: () => choose(pair, true) };
@@ -232,7 +230,8 @@
     const kind = kindOf(pair),
       [a, b] = pair,
       rows = [];
-    const here = place(a) && place(b);
+    const here = place(a) && place(b),
+      asked = isAsked(pair);
     const head = element(
       "div",
       { style: "display:flex;gap:7px;align-items:center" },
@@ -245,26 +244,26 @@
       "truth",
       !here
         ? "not both are there at this step"
-        : within
-          ? "one lies inside the other"
-          : met
-            ? "they meet"
-            : "they do not meet",
+        : !asked
+          ? "not asked about: " +
+            (pair.every((b) => data.bodies[b].fixed) ? "two fixed bodies are no pair" : "neither body was chosen")
+          : within
+            ? "one lies inside the other"
+            : met
+              ? "they meet"
+              : "they do not meet",
     ]);
     if (measured && measured.pairs)
       rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn in black`]);
     else if (measured && measured.gap)
-      rows.push(["surfaces", `${number(measured.gap.distance * data.unit)} m apart${within ? " (inside)" : ""}, drawn in black`]);
-    for (const one of algorithms) {
-      if (!here) break;
-      const has = (list) => keys(list.at(state.k)).has(key(pair));
-      const says = has(one.fp) || has(one.inside) || (met && !has(one.fn));
-      const wrong = has(one.fp) ? "fp" : has(one.fn) ? "fn" : null;
-      rows.push([one.label, element("span", {}, says ? "reports it " : "is silent ", wrong ? sign(wrong) : "")]);
-    }
+      rows.push([
+        "surfaces",
+        `${number(measured.gap.distance * data.unit)} m apart${within ? " (inside)" : ""}, drawn in black`,
+      ]);
     return [
       head,
       table(rows),
+      ...(here && asked ? [...why(pair, met), everyone(pair, met)] : []),
       element(
         "div",
         { class: "row" },
@@ -276,19 +275,140 @@
     ];
   }
 
+  const isAsked = ([a, b]) =>
+    !(data.bodies[a].fixed && data.bodies[b].fixed) && (data.bodies[a].asked || data.bodies[b].asked);
+
+  // What an algorithm of the file says of a pair at this step, and of what kind that is when it is wrong.
+  function says(one, pair, met) {
+    const has = (list) => keys(list.at(state.k)).has(key(pair));
+    const invented = has(one.fp),
+      missed = has(one.fn);
+    return { hit: invented || has(one.inside) || (met && !missed), wrong: invented ? "fp" : missed ? "fn" : null };
+  }
+
+  const verb = (hit) => (hit ? "reports it" : "is silent");
+
+  // Why the chosen algorithm says so.
+  function why(pair, met) {
+    const one = algorithm();
+    if (!one || !seen) return [];
+    const { hit, wrong } = says(one, pair, met);
+    const filter = seen.filter;
+    let because = seen.because;
+    if (seen.stopped) because = `because its prefilter ${filter.name} is: ${filter.answer.because}`;
+    const made = element(
+      "div",
+      { class: "why" },
+      element("strong", {}, one.label, " ", verb(hit), " ", wrong ? sign(wrong) : ""),
+    );
+    made.append(element("div", {}, because));
+    if (seen.hit !== null && seen.hit !== hit)
+      made.append(
+        element(
+          "div",
+          { class: "soft" },
+          `Computed again here it ${seen.hit ? "would report it" : "would be silent"}: the comparison is decided by the ` +
+            "last bits of its numbers, or by what this page does not have.",
+        ),
+      );
+    if (state.sees && (sees.what(one.name) || meshes.some((mesh) => mesh.proxies[one.label])))
+      made.append(
+        element(
+          "div",
+          { class: "soft drawn" },
+          `Drawn: ${sees.what(one.name) || "what stands for the meshes"}, `,
+          element("span", { class: "key first" }),
+          ` of ${name(pair[0])}, `,
+          element("span", { class: "key second" }),
+          ` of ${name(pair[1])}${seen.stopped ? `, thin what ${filter.name} compares` : ""}; `,
+          element("span", { class: "key decides" }),
+          " what decides.",
+        ),
+      );
+    if (filter)
+      made.append(
+        table([
+          [`${filter.name} first`, `${verb(filter.answer.hit !== false)}: ${filter.answer.because}`],
+          ...(seen.stopped ? filter.answer.rows : []),
+        ]),
+      );
+    const own = seen.stopped
+      ? [
+          [
+            `${one.name} alone`,
+            seen.own === null ? seen.because : `would ${seen.own ? "report it" : "be silent"}: ${seen.because}`,
+          ],
+        ]
+      : [];
+    if (own.length || seen.rows.length) made.append(table([...own, ...seen.rows]));
+    return [made];
+  }
+
+  // What every algorithm says, in two lines however many there are; a click goes to it.
+  function everyone(pair, met) {
+    const said = algorithms.map((one, i) => ({ one, i, ...says(one, pair, met) }));
+    const chips = (hit) =>
+      element(
+        "span",
+        { class: "chips" },
+        ...said
+          .filter((each) => each.hit === hit)
+          .map(({ one, i, wrong }) =>
+            element(
+              "button",
+              {
+                class: "chip",
+                "data-says": hit ? "reports" : "silent",
+                "aria-pressed": String(i === state.algorithm),
+                onclick: () => setAlgorithm(i),
+              },
+              one.label,
+              wrong ? sign(wrong) : "",
+            ),
+          ),
+      );
+    const count = said.filter((each) => each.hit).length;
+    return table([
+      [`report it: ${count}`, chips(true)],
+      [`are silent: ${said.length - count}`, chips(false)],
+    ]);
+  }
+
   // ---- time
 
   function go(k) {
     state.k = Math.min(data.count - 1, Math.max(0, Math.round(k)));
+    say();
     update();
   }
 
-  function wrongAt(k) {
-    return algorithm() ? algorithm().fp.count(k) + algorithm().fn.count(k) : 0;
+  const WORDS = { fn: "false negative", fp: "false positive" };
+
+  // To the next step (direction 1) or the last one (-1) with a wrong answer of the kinds; beyond the page it says where.
+  function goWrong(direction, kinds = ["fn", "fp"]) {
+    if (!algorithm()) return;
+    for (let k = state.k + direction; k >= 0 && k < data.count; k += direction)
+      if (kinds.some((kind) => algorithm()[kind].count(k))) return go(k);
+    const whole = data.whole[algorithm().label];
+    const beyond = kinds
+      .map((kind) => (whole ? whole[kind][direction > 0 ? "behind" : "before"] : null))
+      .filter((step) => step !== null);
+    const which = `${direction > 0 ? "next" : "previous"} ${kinds.length > 1 ? "wrong answer" : WORDS[kinds[0]]}`;
+    if (beyond.length) elsewhere(`The ${which}`, direction > 0 ? Math.min(...beyond) : Math.max(...beyond));
+    else say(`There is no ${which} of ${algorithm().label}.`);
   }
 
-  function goWrong(direction) {
-    for (let k = state.k + direction; k >= 0 && k < data.count; k += direction) if (wrongAt(k)) return go(k);
+  const quoted = (word) => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replace(/'/g, `'"'"'`)}'`);
+  const command = (step) =>
+    `${data.command} --step ${step}` + (algorithm() ? ` --algorithm ${quoted(algorithm().label)}` : "");
+  const held = (step) => step >= data.first && step < data.first + data.count;
+
+  function elsewhere(what, step) {
+    say(`${what} is at step ${step}, which this page does not hold: `, element("code", {}, command(step)));
+  }
+
+  function say(...words) {
+    $("beyond").replaceChildren(...words);
   }
 
   let timer = 0;
@@ -320,11 +440,13 @@
     canvas.height = Math.max(1, height * ratio);
     const draw = canvas.getContext("2d");
     draw.scale(ratio, ratio);
-    draw.fillStyle = "#f3f5f7";
+    const style = getComputedStyle(document.body),
+      color = (property) => style.getPropertyValue(property).trim();
+    draw.fillStyle = color("--ground");
     draw.fillRect(0, 0, width, height);
     const column = width / data.count,
       middle = height / 2;
-    draw.fillStyle = "#fff3c4";
+    draw.fillStyle = color("--mark");
     draw.fillRect(state.k * column, 0, Math.max(column, 2), height);
     for (const [kind, direction] of [
       ["fn", -1],
@@ -348,12 +470,12 @@
       const text = `${KINDS[kind].sign}, at most ${most}`,
         y = direction < 0 ? 0 : height - 14;
       draw.font = "11px sans-serif";
-      draw.fillStyle = "rgba(255, 255, 255, 0.85)";
+      draw.fillStyle = color("--paper");
       draw.fillRect(0, y, draw.measureText(text).width + 8, 14);
-      draw.fillStyle = "#1d2530";
+      draw.fillStyle = color("--ink");
       draw.fillText(text, 4, y + 11);
     }
-    draw.fillStyle = "#1d2530";
+    draw.fillStyle = color("--ink");
     draw.fillRect(0, middle - 0.25, width, 0.5);
     draw.fillRect(state.k * column + column / 2 - 0.75, 0, 1.5, height);
   }
@@ -362,9 +484,11 @@
 
   function update() {
     now = answers(state.k, algorithm());
-    measured = null;
-    if (state.chosen && state.chosen.length === 2 && state.chosen.every((b) => place(b)))
+    measured = seen = null;
+    if (state.chosen && state.chosen.length === 2 && state.chosen.every((b) => place(b))) {
       measured = measure(...state.chosen.map(solid));
+      if (algorithm()) seen = compared(algorithm(), state.chosen);
+    }
     $("slider").value = step();
     $("slider").setAttribute(
       "aria-valuetext",
@@ -383,6 +507,21 @@
     try {
       history.replaceState(null, "", "#" + parts.join("&"));
     } catch (refused) {} // a browser may refuse it to local files, or to fast playing; the page does not need it
+  }
+
+  const there = (k = state.k) => data.bodies.map((_, b) => body(b, k) || undefined);
+
+  function compared(one, [a, b], all = there(), short = false) {
+    return sees.compare(one.name, one.given, all[a], all[b], { all, label: one.label, short });
+  }
+
+  // What the algorithm sees of a body, as sees.view() tells it; and what its prefilter sees, where that stopped the pair.
+  function viewed(b) {
+    const one = algorithm(),
+      here = body(b, state.k);
+    if (!one || !here) return [{}, {}];
+    const stopped = seen && seen.stopped;
+    return [sees.view(one.name, one.given, here, one.label), stopped ? sees.view(seen.filter.name, {}, here) : {}];
   }
 
   function choose(bodies, near = false) {
@@ -406,7 +545,7 @@
 
   function showAlgorithm() {
     const one = algorithm(),
-      whole = one && data.worst[one.label];
+      whole = one && data.whole[one.label];
     const box = $("whole");
     box.replaceChildren();
     if (!one) return box.append("The file has no algorithms: all pairs shown are the truth.");
@@ -422,22 +561,42 @@
         .join("; "),
     );
     if (!whole) return;
-    const link = (at, most, what) => {
-      const inside = at >= data.first && at < data.first + data.count;
-      const text = `most at step ${at}: ${most}`;
-      return inside
-        ? element(
-            "button",
-            { style: "padding:0 6px;font-size:12px;min-height:0", onclick: () => go(at - data.first) },
-            text,
-          )
-        : `${text}; see it with --step ${at}`;
+    const far = new Set();
+    const link = (kind, step, text) => {
+      if (!held(step)) far.add(step);
+      const act = () => (play(false), held(step) ? showFirst(kind, step) : elsewhere(`That ${WORDS[kind]}`, step));
+      return element("button", { class: "small", "data-step": step, onclick: act }, text);
     };
-    ["false positives", "false negatives"].forEach((what, i) => {
-      const line = element("div", {}, `Whole run: ${whole.total[i]} ${what}`);
-      if (whole.at[i] !== null) line.append(" (", link(whole.at[i], whole.most[i]), ")");
+    for (const kind of ["fn", "fp"]) {
+      const { total, first, most, many } = whole[kind];
+      const line = element("div", { class: "row" }, sign(kind), `${total.toLocaleString("en")} in the whole run`);
+      if (first !== null)
+        line.append(
+          link(kind, first, first === most ? `first and most, ${many}: step ${first}` : `first: step ${first}`),
+        );
+      if (first !== most) line.append(link(kind, most, `most, ${many}: step ${most}`));
       box.append(line);
-    });
+    }
+    if (!far.size) return;
+    const lines = [...far].sort((p, q) => p - q).map((step) => element("code", {}, command(step)));
+    box.append(
+      element(
+        "details",
+        {},
+        element(
+          "summary",
+          {},
+          `Not in this page: step${far.size > 1 ? "s" : ""} ${[...far].sort((p, q) => p - q).join(", ")}`,
+        ),
+        ...lines,
+      ),
+    );
+  }
+
+  // Goes to a step and to its first pair of the kind.
+  function showFirst(kind, step) {
+    go(step - data.first);
+    if (now[kind].length) choose(now[kind][0], true);
   }
 
   // ---- the page
@@ -460,6 +619,9 @@
       choose,
       now: () => now,
       measured: () => measured,
+      seen: () =>
+        state.sees && state.chosen ? { bodies: state.chosen.map(viewed), marks: seen ? seen.marks : {} } : null,
+      toDrawn,
       contained: () => contained.at(state.k),
     });
     $("message").hidden = true;
@@ -474,6 +636,7 @@
   const actions = {
     frame: () => picture && picture.all(),
     edges: () => (pressed("edges", (state.edges = !state.edges)), update()),
+    sees: () => (pressed("sees", (state.sees = !state.sees)), update()),
     quiet: () => (pressed("quiet", (state.quiet = !state.quiet)), update()),
     up: () => {
       up = up === "y" ? "z" : "y";
@@ -483,11 +646,14 @@
     back: () => go(state.k - 1),
     forth: () => go(state.k + 1),
     play: () => play(!state.playing),
-    previous: () => goWrong(-1),
-    next: () => goWrong(1),
+    previous_fn: () => goWrong(-1, ["fn"]),
+    next_fn: () => goWrong(1, ["fn"]),
+    previous_fp: () => goWrong(-1, ["fp"]),
+    next_fp: () => goWrong(1, ["fp"]),
   };
   for (const [id, act] of Object.entries(actions)) $(id).addEventListener("click", act);
-  for (const id of ["back", "forth", "previous", "next"]) $(id).addEventListener("click", () => play(false));
+  for (const id of ["back", "forth", "previous_fn", "next_fn", "previous_fp", "next_fp"])
+    $(id).addEventListener("click", () => play(false));
   $("speed").addEventListener("change", () => state.playing && play(true));
 
   function setAlgorithm(index) {
@@ -523,8 +689,11 @@
       End: () => go(data.count - 1),
       " ": e.target.tagName === "BUTTON" || e.target.tagName === "SUMMARY" ? null : actions.play,
       Escape: () => choose(null),
-      p: actions.previous,
-      n: actions.next,
+      p: () => goWrong(-1),
+      n: () => goWrong(1),
+      m: () => goWrong(e.shiftKey ? -1 : 1, ["fn"]),
+      i: () => goWrong(e.shiftKey ? -1 : 1, ["fp"]),
+      w: actions.sees,
       j: () => nextPair(1),
       k: () => nextPair(-1),
       a: () => setAlgorithm(state.algorithm + jump),
@@ -566,17 +735,51 @@
     element("div", {}, sign(null), "in no pair"),
   );
 
-  // A link to a moment: #step=420&algorithm=obb_sat&chosen=3-17
-  const wanted = new URLSearchParams(location.hash.slice(1));
-  const asked = Number(wanted.get("step"));
-  if (wanted.has("step") && asked >= data.first && asked < data.first + data.count) state.k = Math.floor(asked);
-  const known = algorithms.findIndex((a) => a.label === wanted.get("algorithm"));
-  if (known >= 0) state.algorithm = known;
-  const picked = (wanted.get("chosen") || "").split("-").filter(Boolean).map(Number);
-  if ((picked.length === 1 || picked.length === 2) && picked.every((b) => data.bodies[b])) state.chosen = picked;
-  if (algorithms.length) $("algorithm").value = state.algorithm;
-  showAlgorithm();
-  update();
+  // A link to a moment: #step=420&algorithm=obb_sat&chosen=3-17. Read when the page opens and when its address changes.
+  function follow() {
+    const wanted = new URLSearchParams(location.hash.slice(1));
+    const known = algorithms.findIndex((a) => a.label === wanted.get("algorithm"));
+    if (known >= 0) state.algorithm = known;
+    if (algorithms.length) $("algorithm").value = state.algorithm;
+    const asked = wanted.get("step") ? Number(wanted.get("step")) : NaN;
+    if (held(asked)) state.k = Math.floor(asked) - data.first;
+    const picked = (wanted.get("chosen") || "").split("-").filter(Boolean).map(Number);
+    const right = (picked.length === 1 || picked.length === 2) && picked.every((b) => data.bodies[b]);
+    state.chosen = right ? picked.sort((p, q) => p - q) : null;
+    say();
+    if (asked >= 0 && asked < data.steps && !held(asked)) elsewhere("What the address asks for", Math.floor(asked));
+    showAlgorithm();
+    update();
+    if (state.chosen) fly(state.chosen);
+  }
+  window.addEventListener("hashchange", follow);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", update);
+  follow();
+
+  // For tests: every pair that is asked about at a step, for every algorithm that sees.js knows: how many were compared,
+  // and those for which it says otherwise than the file.
+  function recount(step) {
+    const k = step - data.first,
+      all = there(k),
+      met = keys(truth.at(k)),
+      wrong = [];
+    let count = 0;
+    for (const one of algorithms) {
+      if (!sees.what(one.name)) continue;
+      const [fp, fn, inside] = [one.fp, one.fn, one.inside].map((list) => keys(list.at(k)));
+      for (let a = 0; a < all.length; ++a)
+        for (let b = a + 1; b < all.length; ++b) {
+          if (!all[a] || !all[b] || !isAsked([a, b])) continue;
+          const pair = [a, b],
+            id = key(pair),
+            said = fp.has(id) || inside.has(id) || (met.has(id) && !fn.has(id)),
+            { hit, tie } = compared(one, pair, all, true);
+          ++count;
+          if (hit !== said) wrong.push({ label: one.label, step, pair, said, hit, tie });
+        }
+    }
+    return { count, wrong };
+  }
 
   window.viewer = {
     step,
@@ -587,6 +790,16 @@
     state,
     now: () => now,
     measured: () => measured,
+    seen: () => seen,
+    viewed,
+    body: (b) => body(b, state.k),
+    recount,
+    rest: () =>
+      new Promise((done) => {
+        const look = () => requestAnimationFrame(picture && !picture.still() ? look : done);
+        look();
+      }),
+    drawn: (b) => Array.from({ length: meshes[data.bodies[b].mesh].vertices.length / 3 }, (_, i) => solid(b).vertex(i)),
     name,
     pixel: (b) => picture.pixel(b),
   };

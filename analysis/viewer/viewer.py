@@ -8,18 +8,19 @@ the network for nothing; its Content-Security-Policy forbids that.
 import base64
 import json
 import pathlib
+import shlex
 
 import numpy as np
 
-from analysis.load import load
-from analysis.output import refuse, say, templates, write
+from ..load import load
+from ..output import refuse, say, templates, write
 
 HERE = pathlib.Path(__file__).parent
 THREE_JS = [
     pathlib.Path("/usr/share/javascript/three/three.min.js"),
     pathlib.Path("/usr/share/javascript/three/examples/js/controls/OrbitControls.js"),
 ]
-SCRIPTS = ("decode", "measure", "picture", "viewer")  # beside this file, in this order
+SCRIPTS = ("vectors", "decode", "measure", "shapes", "sees", "picture", "viewer")  # beside this file, in this order
 AROUND = 60  # steps shown on either side when no window is asked for: two seconds of the thesis's scenes in all
 USUAL_BYTES = 8 << 20  # such a window becomes shorter rather than larger than this
 MOST_BYTES = 64 << 20  # a window that is asked for is refused above: phones fail to open larger pages
@@ -107,11 +108,14 @@ def step_page(path, step=None, label=None, window=None, unsealed=False):
             raise Unfit(f"--step {step}: is not among --steps {first}:{end}")
         size = _window_bytes(run, first, end)
     with run.opened() as file:
-        size += sum(12 * (mesh["vertices"].shape[0] + mesh["triangles"].shape[0]) for mesh in file["meshes"].values())
+        for mesh in file["meshes"].values():
+            size += 24 * mesh["vertices"].shape[0] + 12 * mesh["triangles"].shape[0]
     if size > MOST_BYTES:
         raise Unfit(f"{path}: meshes and steps {first}:{end} would make a page of {size / 2**20:.0f} MiB, at most "
                     f"{MOST_BYTES >> 20} are possible; fewer --steps make it smaller")
-    data = _page_data(run, first, end) | {"step": step, "chosen": label, "worst": _worst(wrong, steps)}
+    shown = path if not pathlib.Path(path).is_absolute() else pathlib.Path(path).name  # the page may go to others
+    data = _page_data(run, first, end) | {"step": step, "chosen": label, "whole": _whole(wrong, first, end),
+                                          "command": f"scripts/analysis scene {shlex.quote(str(shown))}"}
     return _filled(data, f"{run.meta.get('title') or pathlib.Path(path).name}, step {step}"), step
 
 
@@ -136,29 +140,41 @@ def _default_step(wrong, label, window, steps):
     return inside.start + int(np.argmax((wrong[label][0] + wrong[label][1])[inside.start : inside.stop]))
 
 
-def _worst(wrong, steps):
-    """label -> whole run's counts, and the steps with the most false positives and negatives; None where there are
-    none."""
+def _whole(wrong, first, end):
+    """label -> of the false positives and the false negatives of the whole run: how many, the first step with one, the
+    step with the most, and the nearest before and behind the window; None where there is none."""
     found = {}
     for label, counts in wrong.items():
-        at = [int(np.argmax(count)) if count.any() else None for count in counts]
-        found[label] = {"total": [int(count.sum()) for count in counts], "at": at,
-                        "most": [0 if k is None else int(count[k]) for k, count in zip(at, counts)]}
+        found[label] = kinds = {}
+        for kind, count in zip(("fp", "fn"), counts):
+            at = np.flatnonzero(count)
+            kinds[kind] = {
+                "total": int(count.sum()),
+                "first": _end_of(at, 0),
+                "most": int(np.argmax(count)) if len(at) else None,
+                "many": int(count.max(initial=0)),
+                "before": _end_of(at[at < first], -1),
+                "behind": _end_of(at[at >= end], 0),
+            }
     return found
 
 
+def _end_of(steps, end):
+    return int(steps[end]) if len(steps) else None
+
+
 def _window_bytes(run, first, end):
-    """Bytes of the window's poses and pairs before base64, seven floats a pose and at most four bytes a pair's end."""
+    """Bytes of the window's poses and pairs before base64, seven doubles a pose and at most four bytes a pair's end."""
     with run.opened() as file:
         pairs = int(np.diff(file["truth/pair_offset"][()][[first, end]].astype(np.int64))[0])
         for label in run.meta["algorithms"]:
             pairs += int(np.diff(file[f"answers/{label}/pair_offset"][()][[first, end]].astype(np.int64))[0])
-    return (end - first) * len(run.meta["bodies"]) * 28 + 8 * pairs
+    return (end - first) * len(run.meta["bodies"]) * 56 + 8 * pairs
 
 
 def _page_data(run, first, end):
-    """What viewer.js draws: positions and vertices are Float32, in units of `unit` metres about centres taken off in
-    doubles. A mesh's centre and the scene's are in metres."""
+    """What viewer.js draws and what sees.js computes with: poses and vertices are the file's doubles. `unit` metres are
+    drawn as 1; `centre` is the scene's middle, that of a mesh the middle of its box, both in metres."""
     with run.opened() as file:
         position = file["motion/position"][first:end]
         orientation = file["motion/orientation"][first:end]
@@ -169,6 +185,7 @@ def _page_data(run, first, end):
             contained = _pair_sets(file["truth"], first, end, "contained_offset", "contained_pair")
         answers = {name: _pair_sets(file[f"answers/{name}"], first, end) for name in run.meta["algorithms"]}
         mesh_of = list(file["bodies/mesh"].asstr()[()])
+        asked = file["bodies/chosen"][()] if "chosen" in file["bodies"] else np.ones(len(mesh_of))
         names = sorted(set(mesh_of))
         meshes = [_mesh(name, file[f"meshes/{name}"]) for name in names]
     if containment == "meet":
@@ -182,11 +199,11 @@ def _page_data(run, first, end):
     at = turned(orientation, local) + position
     born = at[np.isfinite(at).all(axis=-1)]
     centre = np.median(born, axis=0) if len(born) else np.zeros(3)
-    unit = _unit([np.abs(mesh["vertices"]).max() for mesh in meshes], np.abs(born - centre).max(initial=0))
-    poses = np.concatenate([orientation, (at - centre) / unit], axis=-1)
+    unit = _unit([np.abs(mesh["vertices"] - mesh["centre"]).max() for mesh in meshes],
+                 np.abs(born - centre).max(initial=0))
     for mesh in meshes:
         mesh["centre"] = mesh["centre"].tolist()
-        mesh["vertices"] = _base64((mesh["vertices"] / unit).astype("<f4"))
+        mesh["vertices"] = _base64(mesh["vertices"].astype("<f8"))
     wide = len(mesh_of) > 0xFFFF
     kinds = {}
     for label, reported in answers.items():
@@ -212,10 +229,11 @@ def _page_data(run, first, end):
         "meshes": meshes,
         "bodies": [
             {"name": name, "mesh": number[b], "fixed": bool(row.fixed), "big": bool(big[b]),
-             "born": int(row.first_step)}
+             "born": int(row.first_step), "asked": bool(asked[b])}
             for b, (name, row) in enumerate(table.iterrows())
         ],
-        "poses": _base64(poses.astype("<f4")),
+        "position": _base64(position.astype("<f8")),
+        "orientation": _base64(orientation.astype("<f8")),
         "wide": wide,
         "truth": _packed(truth, wide),
         "contained": _packed(contained, wide),
@@ -250,15 +268,27 @@ def turned(quaternion, vector):
 
 
 def _mesh(name, group):
-    """A mesh about the middle of its box, so that vertices far from their origin keep their shape in Float32."""
     vertices, triangles = group["vertices"][()], group["triangles"][()]
-    centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    shape = json.loads(group.attrs.get("shape", "{}"))
     return {
         "name": name,
-        "centre": centre,
-        "vertices": vertices - centre,
+        "centre": (vertices.min(axis=0) + vertices.max(axis=0)) / 2,
+        "vertices": vertices,
         "triangles": _base64(triangles.astype("<u4")),
+        "ball": shape["radius"] if shape.get("kind") == "sphere" else 0,
+        "proxies": {label: _proxy(proxy) for label, proxy in group.get("proxies", {}).items()},
     }
+
+
+def _proxy(group):
+    """What stands for a mesh in a method: balls (centre and radius) or vertices and triangles, metres, mesh frame; and
+    how well it wraps the mesh."""
+    kinds = {"balls": "<f8", "vertices": "<f8", "triangles": "<u4"}
+    about = {"kind": str(group.attrs.get("kind", "balls"))}
+    for name in ("outside_share", "outside_greatest"):
+        if np.isfinite(value := float(group.attrs.get(name, np.nan))):
+            about[name] = value
+    return about | {name: _base64(group[name][()].astype(kind)) for name, kind in kinds.items() if name in group}
 
 
 def _pair_sets(group, first, end, offset="pair_offset", pair="pair"):

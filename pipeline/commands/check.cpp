@@ -13,7 +13,7 @@ namespace {
 constexpr double kTrial = 1.5;  // s
 
 /// Throws Error when it would not run.
-std::string checked(const Config& config, const std::filesystem::path& output, bool json) {
+std::string checked(Config config, const std::filesystem::path& output, bool json) {
   Plan planned = plan(config);
   refuse_if_too_large(planned, output);
   std::vector<Stage> stages;
@@ -24,7 +24,10 @@ std::string checked(const Config& config, const std::filesystem::path& output, b
     const Scene scene = make_scene(config);
     planned = plan(config, scene, threads);
     refuse_if_too_large(planned, output);
-    planned.abouts = refuse_unfit(scene.bodies, config.algorithms);
+    const Heard heard = refuse_unfit(scene.bodies, config.algorithms);
+    warn(leave_out(heard.silent, config));
+    planned = plan(config, scene, threads);
+    planned.abouts = heard.abouts;
     stages = foreseen_stages(config, scene, planned, threads, kTrial);
   }
   const Seconds time = range(stages, config);

@@ -12,6 +12,7 @@
 #include "pipeline/result/product.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/run.hpp"
+#include "pipeline/system/own_place.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -34,7 +35,14 @@ CLI::Validator must_name(const std::string& what) {
 }
 
 void add_config(CLI::App& command, std::string& path, std::vector<std::string>& sets) {
-  command.add_option("CONFIG", path, "TOML file, see configs/")->required();
+  command.add_option("CONFIG", path, "TOML file; or the name of one that comes with the program, such as padani")
+      ->required()
+      ->transform(CLI::Validator(
+          [](std::string& written) {
+            written = own_config(written);
+            return std::string();
+          },
+          ""));
   command.add_option("--set", sets, "Overrule a key: --set physics.accuracy=1e-4; repeated for more")
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);
@@ -89,6 +97,10 @@ void put(const std::string& raw) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0 ||
       std::ferror(stdout))
     throw Error(kFile, std::string("stdout: cannot be written (") + std::strerror(errno) + ")");
+}
+
+void tell(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) std::fprintf(stderr, "note: %s\n", one_line(line, kMostLine).c_str());
 }
 
 void warn(const std::vector<std::string>& lines) {

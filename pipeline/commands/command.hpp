@@ -34,7 +34,8 @@ CLI::Validator must_name(const std::string& what);
 /// others reach no terminal but through here.
 void put(const std::string& text);
 
-/// Lines on stderr: "warning: ..."; what is wrong with the file `path`.
+/// Lines on stderr: "note: ..." and "warning: ..."; what is wrong with the file `path`.
+void tell(const std::vector<std::string>& lines);
 void warn(const std::vector<std::string>& lines);
 void complain(const std::string& path, const std::string& what);
 

@@ -77,7 +77,9 @@ std::string algorithm_text(const algorithms::Algorithm& row) {
           (row.operations_unit.empty() ? "operations are not counted" : "operations are " + row.operations_unit) + "\n";
   if (!row.library.version.empty() || !row.library.sha256.empty())
     text += "    of the library " + row.library.name + (row.library.version.empty() ? "" : " " + row.library.version) +
-            (row.library.sha256.empty() ? "" : ", precision " + row.precision) + "\n";
+            (row.library.sha256.empty() ? "" : ", precision " + row.precision) +
+            (row.library.tests.empty() ? "" : ", tests " + row.library.tests) +
+            (row.library.licence.empty() ? "" : ", " + row.library.licence) + "\n";
   for (const algorithms::Knob& knob : row.knobs) {
     text += "    " + knob.name + " = " + value_text(knob.preset) + (knob.unit == "1" ? "" : " " + knob.unit);
     const std::string range = range_text(knob);
@@ -104,6 +106,9 @@ Json algorithm_json(const algorithms::Algorithm& row) {
   const algorithms::Library& library = row.library;
   Json of_whom;  // null: of this project
   if (!library.name.empty()) of_whom = {{"name", library.name}, {"version", library.version}};
+  for (const auto& [key, value] : {std::pair{"package", library.package}, std::pair{"tests", library.tests},
+                                   std::pair{"licence", library.licence}, std::pair{"language", library.language}})
+    if (!value.empty()) of_whom[key] = value;
   if (!library.sha256.empty()) of_whom["sha256"] = library.sha256;
   return {{"name", row.name},
           {"thesis_key", row.thesis_key},
@@ -177,6 +182,15 @@ Json datasets_json() {
   return json;
 }
 
+/// Rows that this build is without, each with what it needs; plug-ins that it has are added on the way.
+std::vector<std::pair<const algorithms::Algorithm*, std::string>> lacking_rows() {
+  std::vector<std::pair<const algorithms::Algorithm*, std::string>> out;
+  for (const algorithms::Algorithm& row : algorithms::missing())
+    if (const algorithms::Algorithm* missing = algorithms::find_missing(row.name))
+      if (const std::string needed = lacking(*missing); !needed.empty()) out.emplace_back(missing, needed);
+  return out;
+}
+
 }  // namespace
 
 std::string list_text(const std::string& what) {
@@ -187,10 +201,11 @@ std::string list_text(const std::string& what) {
     for (const NamedText& row : rows_of(what)) text += print("%-20s %s", row.name, row.what) + "\n";
     return text;
   }
+  const auto lacking = lacking_rows();
   for (const algorithms::Algorithm& row : algorithms::all()) text += algorithm_text(row);
   for (const algorithms::Algorithm& row : algorithms::added()) text += algorithm_text(row);
-  for (const algorithms::Algorithm& row : algorithms::missing())
-    text += algorithm_text(row) + "    not in this build: it needs " + algorithms::remedy(row) + "\n";
+  for (const auto& [row, needed] : lacking)
+    text += algorithm_text(*row) + "    not in this build: it needs " + needed + "\n";
   return text;
 }
 
@@ -202,10 +217,11 @@ std::string list_json(const std::string& what) {
     for (const NamedText& row : rows_of(what)) json.push_back({{"name", row.name}, {"what", row.what}});
     return dumped(json);
   }
+  const auto lacking = lacking_rows();
   for (const algorithms::Algorithm& row : algorithms::all()) json.push_back(algorithm_json(row));
-  for (const algorithms::Algorithm& row : algorithms::missing()) {
-    json.push_back(algorithm_json(row));
-    json.back()["missing"] = algorithms::remedy(row);
+  for (const auto& [row, needed] : lacking) {
+    json.push_back(algorithm_json(*row));
+    json.back()["missing"] = needed;
   }
   for (const algorithms::Algorithm& row : algorithms::added()) json.push_back(algorithm_json(row));
   return dumped(json);

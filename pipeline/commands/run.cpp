@@ -2,9 +2,12 @@
 #include "pipeline/run.hpp"
 
 #include "pipeline/commands/command.hpp"
+#include "pipeline/commands/show.hpp"
 #include "pipeline/plan.hpp"
+#include "pipeline/result/checkpoint.hpp"
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/scene/scene.hpp"
+#include "pipeline/terminal/error.hpp"
 
 namespace pipeline {
 
@@ -21,6 +24,8 @@ void add_run(CLI::App& program, int& code) {
   add_plugin_option(command, o->plugins);
   add_threads(command, o->threads, "Threads of the truth stage, and cases of a study at a time");
   command.add_flag("--force", o->force, "Replace an existing result, discard another unfinished run");
+  command.add_flag("--motion-only", o->motion_only,
+                   "Make the motion and leave FILE.part to `pipeline work`; the same run without it assembles");
   add_quiet(command, o->quiet);
   add_digests(command, o->digests);
   add_json(command, o->json, "Print the summary as JSON");
@@ -29,9 +34,18 @@ void add_run(CLI::App& program, int& code) {
     warn(suspicions());
     o->output = o->file;
     const Config config = read_config(o->config, o->sets, o->plugins);
+    if (!o->quiet) tell(config.understood);
     warn(config.notes);
     if (const std::string left = left_out(config); !left.empty()) warn({left});
-    code = finish(run(config, *o), output_path(config, *o).string(), o->json, o->digests);
+    const std::string output = output_path(config, *o).string();
+    const Result result = run(config, *o);
+    if (!o->motion_only) {
+      code = finish(result, output, o->json, o->digests);
+      return;
+    }
+    const CheckpointStatus status = checkpoint_status(output + ".part");
+    put((o->json ? checkpoint_json : checkpoint_text)(status, output + ".part"));
+    code = kDone;
   });
 }
 

@@ -206,6 +206,9 @@ Score score(const Result& result, const std::filesystem::path& path, const Score
   const Json now = baseline_of(result, options.times);
 
   Score out;
+  if (options.times)
+    for (const Answers& answers : result.answers)
+      if (timed_on_unlike(answers)) out.unlike.push_back(answers.label);
   out.had_baseline = before.has_value();
   if (before) {
     const auto top = [](const Json& json) { return Json{{"steps", json["steps"]}, {"bodies", json["bodies"]}}; };
@@ -235,13 +238,15 @@ Score score(const Result& result, const std::filesystem::path& path, const Score
 
 std::string score_text(const Score& score, const std::string& baseline) {
   std::string text;
-  if (!score.had_baseline) return baseline + ": recorded\n";
+  for (const std::string& label : score.unlike)
+    text += label + ": was timed on unlike processors: its time is neither compared nor recorded\n";
+  if (!score.had_baseline) return text + baseline + ": recorded\n";
   std::string of;
   for (const Change& change : score.changes) {
     if (change.of == of) {
       text += ", ";
     } else {
-      if (!text.empty()) text += '\n';
+      if (!text.empty() && text.back() != '\n') text += '\n';
       text += change.of + ": ";
     }
     of = change.of;
@@ -250,7 +255,7 @@ std::string score_text(const Score& score, const std::string& baseline) {
     text += *change.by > 0 ? " (+" : " (";
     text += std::to_string(*change.by) + ")";
   }
-  if (!text.empty()) text += "\n";
+  if (!text.empty() && text.back() != '\n') text += "\n";
   for (const std::string& label : score.fresh) text += label + ": new, not in the baseline\n";
   for (const std::string& label : score.missing) text += label + ": missing, only in the baseline\n";
   for (const TimeChange& time : score.times) {
@@ -290,6 +295,7 @@ std::string score_json(const Score& score, const std::string& file, const std::s
                              {"setup_factor", time.setup},
                              {"memory_factor", time.memory}});
   if (!score.times.empty()) json["beyond_tolerance"] = score.beyond_tolerance;
+  if (!score.unlike.empty()) json["unlike_processors"] = score.unlike;
   return dumped(json);
 }
 

@@ -45,6 +45,7 @@ struct Score {
   std::vector<std::string> fresh, missing;    // labels only the result, only the baseline has
   std::vector<TimeChange> times;              // when asked for
   std::vector<std::string> beyond_tolerance;  // labels
+  std::vector<std::string> unlike;            // labels that were timed on unlike processors, when times are asked for
   std::size_t algorithms = 0;                 // in both
   bool had_baseline = false, written = false;
 

@@ -6,10 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "pipeline/commands/choice.hpp"
 #include "pipeline/commands/command.hpp"
 #include "pipeline/config.hpp"
 #include "pipeline/result/columns.hpp"
 #include "pipeline/result/product.hpp"
+#include "pipeline/result/products/machines.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/terminal/print.hpp"
@@ -32,6 +34,8 @@ std::string foreign_text(const Result& result) {
     if (!facts.version.empty()) text += " " + one_line(facts.version, 200);
     if (!facts.language.empty()) text += ", " + one_line(facts.language, 200);
     if (!facts.precision.empty()) text += ", " + one_line(facts.precision, 200) + " precision";
+    if (!facts.tests.empty()) text += ", tests " + one_line(facts.tests, 200);
+    if (!facts.licence.empty()) text += ", " + one_line(facts.licence, 200);
     if (facts.threads != 1) text += ", " + std::to_string(facts.threads) + " threads";
     text += '\n';
     if (failed(answers))
@@ -51,6 +55,12 @@ std::string heap_text(const std::optional<double>& bytes) {
   return bytes && *bytes >= 0 ? bytes_text(std::uint64_t(*bytes)) : "-";
 }
 
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
 /// What makes times doubtful; a line each.
 std::string times_text(const Result& result) {
   constexpr double kDisturbed = 1.02;  // of the processor's time: more wall time than that was not the algorithm's
@@ -64,6 +74,13 @@ std::string times_text(const Result& result) {
     if (share > kDisturbed) add(disturbed, label + print(" by %.1f %%", 100 * (share - 1)));
     if (row.time_mean_ns > row.time_p95_ns) add(few, label);
     if (const std::int64_t number = result.answers[a].machine.pinned; number >= 0) pinned.insert(number);
+  }
+  for (const Answers& answers : result.answers) {
+    if (!timed_on_unlike(answers)) continue;
+    text += answers.label + " was TIMED ON UNLIKE PROCESSORS, and has no time of the run:\n";
+    for (const TimesOf& of : times_by_processor(answers))
+      text += print("    %s a step, mean of %zu steps, on ", time_text(of.mean_ns).c_str(), of.steps) + of.processor +
+              " (" + joined(of.hosts) + ")\n";
   }
   for (const std::int64_t number : pinned) text += "timed on processor " + std::to_string(number) + " alone\n";
   if (!disturbed.empty())
@@ -83,6 +100,8 @@ Json foreign_json(const Answers& answers) {
           {"version", facts.version},
           {"language", facts.language},
           {"precision", facts.precision},
+          {"tests", facts.tests},
+          {"licence", facts.licence},
           {"threads", facts.threads},
           {"status", failed(answers) ? "failed" : "complete"},
           {"reason", facts.reason},
@@ -153,7 +172,15 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
                                   {"operations_unit", answers.operations_unit},
                                   {"library", answers.library}});
     if (answers.foreign) json["algorithms"].back()["foreign"] = foreign_json(answers);
+    json["algorithms"].back()["timed_on"] = {{"host", answers.machine.host},
+                                             {"processor", answers.machine.processor},
+                                             {"build", answers.machine.build},
+                                             {"date", answers.machine.date}};
     if (answers.machine.pinned >= 0) json["algorithms"].back()["pinned"] = answers.machine.pinned;
+    if (timed_on_unlike(answers))
+      for (const TimesOf& of : times_by_processor(answers))
+        json["algorithms"].back()["unlike_processors"].push_back(
+            {{"processor", of.processor}, {"hosts", of.hosts}, {"steps", of.steps}, {"time_mean_ns", of.mean_ns}});
     each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
       if constexpr (!is_optional<T>)
         json["algorithms"].back()[column.name] = row.*column.member;
@@ -161,6 +188,7 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
         json["algorithms"].back()[column.name] = *(row.*column.member);
     });
   }
+  json["which_one"] = Json::parse(advice_json(result));
 }
 
 }  // namespace
@@ -206,6 +234,7 @@ std::string result_text(const Result& result, bool digests) {
   text +=
       "\nerror = (false positive + false negative) / (true positive + false positive + false negative); times are "
       "per step, set-up is once; memory is heap at the most\n\n";
+  text += advice_text(result);
   text += times_text(result);
   text += foreign_text(result);
 
@@ -237,9 +266,12 @@ std::string checkpoint_text(const CheckpointStatus& status, const std::string& p
     return print("%-8s %lld of %lld steps\n", stage, static_cast<long long>(steps),
                  static_cast<long long>(status.steps));
   };
-  return status.title + "\n" + path + ": an unfinished run; the same `pipeline run` resumes it\n" +
-         line("motion", status.motion_steps) + line("truth", status.truth_steps) +
-         line("detect", status.answered_steps);
+  std::string text = status.title + "\n" + path + ": an unfinished run; the same `pipeline run` resumes it" +
+                     (status.moved ? ", `pipeline work` fills it beside others\n" : "\n") +
+                     line("motion", status.moved ? status.steps : status.motion_steps) +
+                     line("truth", status.truth_steps) + line("detect", status.answered_steps);
+  for (const std::string& held : status.held) text += "being made: " + held + "\n";
+  return text;
 }
 
 std::string checkpoint_json(const CheckpointStatus& status, const std::string& path) {
@@ -253,9 +285,10 @@ std::string checkpoint_json(const CheckpointStatus& status, const std::string& p
                      {"complete", false},
                      {"title", status.title},
                      {"steps", status.steps},
-                     {"motion_steps", status.motion_steps},
+                     {"motion_steps", status.moved ? status.steps : status.motion_steps},
                      {"truth_steps", status.truth_steps},
-                     {"answered_steps", status.answered_steps}};
+                     {"answered_steps", status.answered_steps},
+                     {"held", status.held}};
   return dumped(json);
 }
 

@@ -15,19 +15,20 @@ using geometry::Pose;
 
 ForeignMethod::ForeignMethod(std::unique_ptr<Process> process, std::string_view hello, const Budget& budget)
     : process_(std::move(process)), budget_(budget) {
-  const Process::Answer answer = ask(frame("HELO", hello), {"HELO", kMostHelloAnswer}, budget_.all);
+  const Process::Answer answer = ask("HELO", hello, {"HELO", kMostHelloAnswer}, budget_.all);
   about_ = about_in(answer.content);
   if (about_.setup_ns > answer.exchange_ns)
     throw Fault("its hello: a set-up of " + std::to_string(about_.setup_ns) + " ns is longer than the exchange, " +
                 std::to_string(answer.exchange_ns) + " ns");
 }
 
-Process::Answer ForeignMethod::ask(std::string_view frame, const Expected& expected, double seconds) {
+Process::Answer ForeignMethod::ask(std::string_view kind, std::string_view content, const Expected& expected,
+                                   double seconds) {
   const double left = budget_.all - waited();
   const Fault all("more than " + real_text(budget_.all) + " s in all");
   if (left <= 0) throw all;
   try {
-    return process_->ask(frame, expected, std::min(seconds, left));
+    return process_->ask(kind, content, expected, std::min(seconds, left));
   } catch (const TooLate&) {
     if (left <= seconds) throw all;
     throw;
@@ -53,8 +54,8 @@ void ForeignMethod::prepare(std::span<const Pose> poses, double enlarge) {
 
 std::uint64_t ForeignMethod::reply(std::string_view kind, std::span<const PairRun> runs, std::vector<Pair>& hits) {
   const std::uint64_t asked = geometry::pair_count(runs);
-  const Process::Answer answer = ask(frame(kind, content_of(step_, enlarge_, poses_, runs)),
-                                     {"HITS", kReplyHead + asked * sizeof(Pair)}, budget_.step);
+  const Process::Answer answer =
+      ask(kind, content_of(step_, enlarge_, poses_, runs), {"HITS", kReplyHead + asked * sizeof(Pair)}, budget_.step);
   Reply said = reply_in(answer.content);
   if (said.time_ns > double(answer.exchange_ns))
     throw Fault("its time is " + real_text(said.time_ns) + " ns, longer than the exchange, " +
@@ -74,11 +75,11 @@ std::uint64_t ForeignMethod::count(std::span<const PairRun> runs, std::vector<Pa
 }
 
 void ForeignMethod::remember() {
-  if (about_.remembers) ask(frame("KEEP", ""), {"DONE", 0}, budget_.step);
+  if (about_.remembers) ask("KEEP", "", {"DONE", 0}, budget_.step);
 }
 
 void ForeignMethod::forget() {
-  if (about_.remembers) ask(frame("WIPE", ""), {"DONE", 0}, budget_.step);
+  if (about_.remembers) ask("WIPE", "", {"DONE", 0}, budget_.step);
 }
 
 std::unique_ptr<ForeignMethod> isolated(const std::function<Hosted()>& make, std::size_t bodies, const Budget& budget) {

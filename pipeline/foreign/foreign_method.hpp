@@ -53,7 +53,7 @@ class ForeignMethod final : public algorithms::Method {
   void add_waited(double seconds) { before_ += seconds; }
 
  private:
-  Process::Answer ask(std::string_view frame, const Expected& expected, double seconds);
+  Process::Answer ask(std::string_view kind, std::string_view content, const Expected& expected, double seconds);
   std::uint64_t reply(std::string_view kind, std::span<const geometry::PairRun> runs,
                       std::vector<geometry::Pair>& hits);
 

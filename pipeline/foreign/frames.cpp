@@ -51,13 +51,13 @@ std::string pair_text(const Pair& pair) { return "the pair " + whole(pair.a) + "
 
 }  // namespace
 
-std::string frame(std::string_view kind, std::string_view content) {
+std::string frame(std::string_view kind, std::uint32_t number, std::string_view content) {
   if (content.size() > kMostContent)
     throw Fault("a frame " + std::string(kind) + " of " + whole(content.size()) + " bytes is more than 4 GiB");
   Writer out;
   out.bytes.reserve(kFrameHead + content.size());
   out.bytes += kind;
-  out << static_cast<std::uint32_t>(content.size());
+  out << number << static_cast<std::uint32_t>(content.size());
   out.bytes += content;
   return out.bytes;
 }
@@ -72,7 +72,12 @@ std::optional<Frame> first_frame(std::string_view bytes, const Expected& expecte
                 " must begin; only frames belong there, print on stderr");
   }
   if (bytes.size() < kFrameHead) return std::nullopt;
-  const auto length = Reader(bytes.substr(kLetters)).get<std::uint32_t>();
+  Reader head(bytes.substr(kLetters));
+  const auto number = head.get<std::uint32_t>(), length = head.get<std::uint32_t>();
+  // An answer too many would be taken for that to the next question, whenever it happens to come.
+  if (number != expected.number)
+    throw Fault("it sent more than it was asked for: a frame " + std::string(kind) + " that answers question " +
+                whole(number) + " where " + whole(expected.number) + " was asked");
   const std::uint64_t most = fails ? kMostFailure : expected.most;
   if (length > most)
     throw Fault("its frame " + std::string(kind) + " says that it has " + whole(length) + " bytes; at most " +

@@ -2,8 +2,8 @@
 // program", is their definition. Pure functions from values to bytes and back: whatever comes from others is judged
 // here, before anything is made of it.
 //
-// A frame is a kind of four letters, the number of bytes of its content (32 bits), and the content. Numbers are
-// little-endian.
+// A frame is a kind of four letters, the number of the question that is asked or answered (32 bits, counted from 0),
+// the number of bytes of its content (32 bits), and the content. Numbers are little-endian.
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -31,7 +31,7 @@ struct TooLate : Fault {
 };
 
 constexpr std::int64_t kProtocol = 1;
-constexpr std::size_t kFrameHead = 8;                   // bytes: kind and length
+constexpr std::size_t kFrameHead = 12;                  // bytes: kind, number, length
 constexpr std::uint32_t kMostHelloAnswer = 64 << 10;    // bytes of what a method says of itself
 constexpr std::uint32_t kMostFailure = 64 << 10;        // bytes of why it gives up
 constexpr std::uint64_t kMostContent = 0xffff'ffffull;  // bytes that a frame's length can tell
@@ -42,12 +42,13 @@ struct Frame {
 };
 
 /// The bytes of a frame. Throws Fault when the content is longer than a frame can be.
-std::string frame(std::string_view kind, std::string_view content);
+std::string frame(std::string_view kind, std::uint32_t number, std::string_view content);
 
-/// Which kind of answer is waited for, and how long it may be. "FAIL" may come instead of any.
+/// Which kind of answer is waited for, how long it may be, and to which question. "FAIL" may come instead of any.
 struct Expected {
   std::string_view kind;
-  std::uint64_t most = 0;  // bytes of content
+  std::uint64_t most = 0;    // bytes of content
+  std::uint32_t number = 0;  // of the question
 };
 
 /// The frame at the beginning of `bytes`; nothing when more bytes are needed for it, which is known to be right so far.

@@ -107,7 +107,9 @@ std::string text_of(const About& about) {
               {"remembers", about.remembers},
               {"threads", about.threads},
               {"setup_ns", about.setup_ns}};
-  if (!about.operations_unit.empty()) out["operations_unit"] = about.operations_unit;
+  for (const auto& [key, value] : {std::pair{"operations_unit", about.operations_unit}, std::pair{"tests", about.tests},
+                                   std::pair{"licence", about.licence}})
+    if (!value.empty()) out[key] = value;
   if (about.memory_bytes >= 0) out["memory_bytes"] = about.memory_bytes;
   return out.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -116,9 +118,9 @@ About about_in(std::string_view text_said) {
   json hello;
   if (is_shallow(text_said)) hello = json::parse(text_said, nullptr, /*allow_exceptions=*/false);
   if (!hello.is_object()) throw Fault("its hello is no JSON object");
-  static const std::set<std::string> known = {"protocol",        "name",    "version",  "language",
-                                              "precision",       "promise", "scope",    "remembers",
-                                              "operations_unit", "threads", "setup_ns", "memory_bytes"};
+  static const std::set<std::string> known = {"protocol", "name",         "version",   "language",        "precision",
+                                              "promise",  "scope",        "remembers", "operations_unit", "threads",
+                                              "setup_ns", "memory_bytes", "tests",     "licence"};
   for (const auto& [key, value] : hello.items())
     if (!known.contains(key))
       throw Fault("its hello: unknown key '" + one_line(key) + "'; " + hint(key, {known.begin(), known.end()}));
@@ -130,6 +132,8 @@ About about_in(std::string_view text_said) {
   out.version = text(hello, "version", "");
   out.language = text(hello, "language", "");
   out.precision = text(hello, "precision", out.precision);
+  out.tests = text(hello, "tests", "");
+  out.licence = text(hello, "licence", "");
   const std::string promise = choice(hello, "promise", {"none", "conservative", "exact"});
   out.promise = promise == "exact"          ? algorithms::Promise::exact
                 : promise == "conservative" ? algorithms::Promise::conservative

@@ -11,6 +11,8 @@ namespace pipeline {
 /// What a method of others says of itself.
 struct About {
   std::string name = {}, version = {}, language = {};
+  std::string tests = {};            // what it tests: "meshes", "hulls", "boxes", ...; empty: it does not say
+  std::string licence = {};          // of what answers
   std::string precision = "double";  // in which it computes
   algorithms::Promise promise = algorithms::Promise::none;
   algorithms::Scope scope = algorithms::Scope::pair;

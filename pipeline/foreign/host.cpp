@@ -32,7 +32,7 @@ class Host {
  public:
   Host(const std::function<Hosted()>& make, std::size_t bodies) : make_(make), bodies_(bodies) {}
 
-  std::string answer(std::string_view kind, std::string_view content) {
+  std::string answer(std::string_view kind, std::uint32_t number, std::string_view content) {
     if (kind == "HELO") {
       HeapCount heap;
       {
@@ -42,10 +42,10 @@ class Host {
         hosted_.about.setup_ns = nanoseconds(Clock::now() - start).count();
       }
       if (counts_heap()) hosted_.about.memory_bytes = heap.held;
-      return frame("HELO", text_of(hosted_.about));
+      return frame("HELO", number, text_of(hosted_.about));
     }
     if (!hosted_.method) throw Fault("asked before the hello");
-    if (kind == "STEP" || kind == "OPER") return frame("HITS", content_of(hits(kind == "OPER", content)));
+    if (kind == "STEP" || kind == "OPER") return frame("HITS", number, content_of(hits(kind == "OPER", content)));
     if (kind == "KEEP") {
       hosted_.method->remember();
     } else if (kind == "WIPE") {
@@ -53,7 +53,7 @@ class Host {
     } else {
       throw Fault("asked with an unknown frame " + std::string(kind));
     }
-    return frame("DONE", "");
+    return frame("DONE", number, "");
   }
 
  private:
@@ -88,13 +88,14 @@ void serve(const std::function<Hosted()>& make, std::size_t bodies, int in, int 
   Host host(make, bodies);
   std::string head(kFrameHead, '\0'), content;
   while (read_all(in, head.data(), head.size())) {
-    std::uint32_t length = 0;
-    head.copy(reinterpret_cast<char*>(&length), sizeof length, 4);
+    std::uint32_t number = 0, length = 0;
+    head.copy(reinterpret_cast<char*>(&number), sizeof number, 4);
+    head.copy(reinterpret_cast<char*>(&length), sizeof length, 8);
     content.resize(length);
     if (!read_all(in, content.data(), length)) return;
     std::string answer, failure;
     try {
-      answer = host.answer(std::string_view(head).substr(0, 4), content);
+      answer = host.answer(std::string_view(head).substr(0, 4), number, content);
     } catch (const std::bad_alloc&) {
       failure = "out of memory";
     } catch (const std::exception& error) {
@@ -102,7 +103,7 @@ void serve(const std::function<Hosted()>& make, std::size_t bodies, int in, int 
     } catch (...) {
       failure = "it threw what is no std::exception";
     }
-    if (!failure.empty()) answer = frame("FAIL", std::string_view(failure).substr(0, kMostFailure));
+    if (!failure.empty()) answer = frame("FAIL", number, std::string_view(failure).substr(0, kMostFailure));
     if (!write_all(out, answer) || !failure.empty()) return;
   }
 }

@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "pipeline/system/child.hpp"
+#include "pipeline/system/heap.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -85,13 +86,10 @@ std::uint64_t own_data() {
 }
 
 void limit_memory(std::uint64_t bytes) {
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadows are data
+  if (!counts_heap()) return;  // a sanitizer's shadow is data
   // Not RLIMIT_AS: engines reserve many times what they use.
   const rlimit data{bytes, bytes};
   setrlimit(RLIMIT_DATA, &data);
-#else
-  (void)bytes;
-#endif
 }
 
 /// What every child does first; the pipes become its 0, 1 and 2.
@@ -280,7 +278,10 @@ std::string Process::ending() {
   return "it " + ended_text(status);
 }
 
-Process::Answer Process::ask(std::string_view question, const Expected& expected, double seconds) {
+Process::Answer Process::ask(std::string_view kind, std::string_view content, Expected expected, double seconds) {
+  expected.number = asked_++;
+  const std::string frame_sent = frame(kind, expected.number, content);
+  std::string_view question = frame_sent;  // what of it is still to be written
   const auto throw_fault = [&](const std::string& why) { fail(why); };
   bytes_.erase(0, used_);
   used_ = 0;

@@ -53,11 +53,11 @@ class Process {
     std::int64_t exchange_ns = 0;  // from the first byte sent to the last received
   };
 
-  /// Sends a frame and waits for its answer. Throws TooLate when the answer does not come within so many seconds (those
-  /// for which all of us were stopped do not count), Fault when it is no such frame, says FAIL, or more than it
-  /// follows; or when the process ends. Throws Error(kInterrupted) when a stop is wanted. After either it is of no use
-  /// any more.
-  Answer ask(std::string_view frame, const Expected& expected, double seconds);
+  /// Sends a frame, numbered by the questions before it, and waits for its answer. Throws TooLate when the answer does
+  /// not come within so many seconds (those for which all of us were stopped do not count), Fault when it is no such
+  /// frame, says FAIL, or more than it follows; or when the process ends. Throws Error(kInterrupted) when a stop is
+  /// wanted. After either it is of no use any more.
+  Answer ask(std::string_view kind, std::string_view content, Expected expected, double seconds);
 
   /// Seconds that it has been waited for.
   double waited() const { return waited_; }
@@ -75,7 +75,8 @@ class Process {
   pid_t pid_ = -1;
   Descriptor in_, out_, said_;
   std::string bytes_, words_;
-  std::size_t used_ = 0;  // of bytes_, by the answer given last
+  std::size_t used_ = 0;     // of bytes_, by the answer given last
+  std::uint32_t asked_ = 0;  // questions
   double waited_ = 0;
 };
 

@@ -13,8 +13,9 @@ void put_facts(const Answers& answers, std::int64_t first, std::int64_t last, Ch
   out.put(std::vector<std::uint8_t>(answers.foreign ? 1 : 0));
   if (!answers.foreign) return;
   const ForeignFacts& f = *answers.foreign;
-  for (const std::string* text : {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope,
-                                  &f.transport, &f.command, &f.files, &f.version, &f.language, &f.precision, &f.reason})
+  for (const std::string* text :
+       {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope, &f.transport, &f.command, &f.files,
+        &f.version, &f.language, &f.precision, &f.tests, &f.licence, &f.reason})
     out.put(*text);
   out.put(std::vector<std::int64_t>{f.threads, std::clamp<std::int64_t>(f.steps_done - first, 0, last - first)});
   out.put(std::vector<double>{f.waited});
@@ -23,8 +24,9 @@ void put_facts(const Answers& answers, std::int64_t first, std::int64_t last, Ch
 void get_facts(ChunkReader& in, Answers& answers) {
   if (in.get<std::uint8_t>().empty()) return;
   ForeignFacts& f = answers.foreign.emplace();
-  for (std::string* text : {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope, &f.transport,
-                            &f.command, &f.files, &f.version, &f.language, &f.precision, &f.reason})
+  for (std::string* text :
+       {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope, &f.transport, &f.command, &f.files,
+        &f.version, &f.language, &f.precision, &f.tests, &f.licence, &f.reason})
     *text = in.text();
   const auto whole = in.get<std::int64_t>(2);
   const auto real = in.get<double>(1);
@@ -81,6 +83,42 @@ Answers get_steps(ChunkReader& in, std::int64_t steps, std::uint64_t bodies) {
     in.require(values.size() == std::size_t(steps) || (column.optional && values.empty()));
   });
   return answers;
+}
+
+void put_machine(const Machine& machine, ChunkWriter& out) {
+  for (const std::string* text : {&machine.host, &machine.processor, &machine.build, &machine.date}) out.put(*text);
+  out.put(std::vector<std::int64_t>{machine.pinned});
+}
+
+Machine get_machine(ChunkReader& in) {
+  Machine machine;
+  for (std::string* text : {&machine.host, &machine.processor, &machine.build, &machine.date}) *text = in.text();
+  machine.pinned = in.get<std::int64_t>(1)[0];
+  return machine;
+}
+
+void note_machine(const Machine& machine, std::size_t steps, Machine& first, std::vector<Machine>& each) {
+  if (steps == 0) first = machine;
+  const bool other = machine.host != first.host || machine.processor != first.processor;
+  if (each.empty() && other) each.assign((steps + kChunkSteps - 1) / kChunkSteps, first);
+  if (!each.empty()) each.push_back(machine);
+  if (first.pinned != machine.pinned) first.pinned = -1;
+}
+
+void leave_out_step(bool counts_contained, Answers& answers) {
+  each_answer_column([&](const auto& column) {
+    if (!column.optional) (answers.*column.member).push_back(0);
+  });
+  answers.processor_ns.push_back(0);
+  answers.exchange_ns.push_back(0);
+  if (counts_contained) answers.contained_hit.push_back(0);
+  answers.hits.append({});
+}
+
+void append_chunk(const Answers& more, const Machine& machine, Answers& answers) {
+  note_machine(machine, answers.hits.steps(), answers.machine, answers.timed_on);
+  if (!failed(answers)) return append_steps(more, answers);
+  for (std::size_t step = 0; step < more.hits.steps(); ++step) leave_out_step(!answers.contained_hit.empty(), answers);
 }
 
 void append_steps(const Answers& more, Answers& answers) {

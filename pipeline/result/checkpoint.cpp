@@ -22,9 +22,14 @@ namespace {
 constexpr char kMagic[8] = {'C', 'D', 'C', 'H', 'U', 'N', 'K', '2'};
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kLock = "lock";
-constexpr const char* kComplete = "complete";  // in the manifest: nothing is missing but the result's own place
+// Notes in the manifest, no part of the seal: the motion is made; nothing is missing but the result's own place.
+constexpr const char* kMoved = "moved";
+constexpr const char* kComplete = "complete";
 constexpr const char* kKind = "collision benchmark checkpoint";
-constexpr const char* kStages[] = {"motion", "truth", "answers"};
+constexpr const char* kMachine = "machine_sha256";
+constexpr const char* kDescription = "configuration";
+constexpr const char* kStages[] = {"motion", "truth", "answers", kDescription};
+constexpr std::string_view kClaim = ".claim";
 constexpr std::int64_t kMostSteps = 10000000;      // as the configuration's
 constexpr std::uint64_t kMostManifest = 64 << 10;  // bytes; ours have less than 6 KiB
 
@@ -43,7 +48,7 @@ nlohmann::json manifest_of(int folder) {
     const std::string text = read_regular(folder, kManifest, false, kMostManifest);
     return nlohmann::json::parse(is_shallow(text) ? text : "", nullptr, /*allow_exceptions=*/false);
   } catch (const FileFailure& failure) {
-    if (failure.error() == ENOENT) return nullptr;
+    if (failure.error() == ENOENT || failure.error() == ESTALE) return nullptr;
     return nlohmann::json(nlohmann::json::value_t::discarded);
   }
 }
@@ -64,10 +69,52 @@ bool is_chunk(std::string_view name) {
          std::ranges::any_of(products(), [&](const Product& product) { return product.chunks && of(product.chunks); });
 }
 
-/// A file that a kill left behind while it was made.
+bool is_claim(std::string_view name) {
+  return name.ends_with(kClaim) && is_chunk(name.substr(0, name.size() - kClaim.size()));
+}
+
+std::string claim_of(const std::string& chunk) { return chunk + std::string(kClaim); }
+
+/// A file that a kill left behind while it was made, unless it is being made.
 bool is_leftover(std::string_view name) {
   const auto of = new_file_of(name);
-  return of && (*of == kManifest || is_chunk(*of));
+  return of && (*of == kManifest || is_chunk(*of) || is_claim(*of));
+}
+
+/// What a manifest says of its run, without what was noted later.
+nlohmann::json without_notes(nlohmann::json manifest) {
+  if (manifest.is_object())
+    for (const char* note : {kMoved, kComplete}) manifest.erase(note);
+  return manifest;
+}
+
+nlohmann::json without_machine(nlohmann::json manifest) {
+  if (manifest.is_object()) manifest.erase(kMachine);
+  return manifest;
+}
+
+bool notes(const nlohmann::json& manifest, const char* note) {
+  return manifest.is_object() && manifest.contains(note) && manifest[note] == true;
+}
+
+/// Removes claims of the dead, and what they left unfinished. What belongs to a claim that may be alive stays, and one
+/// that cannot be read: whoever needs its chunk says so.
+void sweep(int folder, Lease::Seconds lease) {
+  const std::vector<std::string> names = names_in(folder);
+  const auto taken = [&](const std::string& chunk) {
+    return std::ranges::find(names, claim_of(chunk)) != names.end() && is_leased(folder, claim_of(chunk), lease);
+  };
+  for (const std::string& name : names) {
+    try {
+      if (is_claim(name)) take_lease(folder, name, lease);  // and gives it back, where its holder is dead
+      if (!is_leftover(name)) continue;
+      const std::string of = *new_file_of(name);
+      const bool of_claim = is_claim(of);
+      if (of == kManifest || !taken(of_claim ? of.substr(0, of.size() - kClaim.size()) : of))
+        remove_regular(folder, name);
+    } catch (const FileFailure&) {
+    }
+  }
 }
 
 /// Whether a folder without manifest is one: just begun, or all but removed, when the kill came.
@@ -79,7 +126,7 @@ bool is_bare(int folder) {
 
 void erase_chunks(int folder) {
   for (const std::string& name : names_in(folder))
-    if (is_chunk(name) || is_leftover(name)) remove_regular(folder, name);
+    if (is_chunk(name) || is_claim(name) || is_leftover(name)) remove_regular(folder, name);
 }
 
 /// The manifest goes when all else is gone, so that what a kill leaves is still known as ours; the lock goes last.
@@ -157,8 +204,12 @@ CheckpointStatus checkpoint_status(const fs::path& folder) {
     throw Error(kFile, folder.string() + ": is not an unfinished run of this program (no readable " + kManifest + ")");
   for (const Product& product : products())
     if (product.place == Product::Place::alone && manifest.contains(product.name)) status.alone = &product;
+  status.moved = notes(manifest, kMoved);
   // What is there is counted, not what might be: a manifest can speak of millions.
   for (const std::string& name : names_in(in)) {
+    if (is_claim(name))
+      if (const std::string who = holder_text(in, name); !who.empty())
+        status.held.push_back(name.substr(0, name.size() - kClaim.size()) + " by " + who);
     const auto chunk = chunk_of(name);
     if (!chunk || chunk->step >= status.steps) continue;
     if (status.alone) {
@@ -176,11 +227,13 @@ CheckpointStatus checkpoint_status(const fs::path& folder) {
 
 Checkpoint::Checkpoint(const fs::path& folder, const CheckpointKey& key, const std::string& title, std::int64_t steps,
                        bool force, const std::string& alone)
-    : Checkpoint(folder) {
+    : Checkpoint(folder, Begun{}) {
+  steps_ = steps;
   nlohmann::json mine = {{"kind", kKind},
                          {"config_sha256", key.config_sha256},
                          {"inputs_sha256", key.inputs_sha256},
                          {"program_sha256", key.program_sha256},
+                         {kMachine, key.machine_sha256},
                          {"title", title},
                          {"steps", steps}};
   if (!alone.empty()) mine[alone] = true;
@@ -199,12 +252,14 @@ Checkpoint::Checkpoint(const fs::path& folder, const CheckpointKey& key, const s
       worthless_ = false;  // it is the other's
       throw Error(kFile, folder.string() + ": is being written by another run; wait for it or choose another -o");
     }
-    for (const std::string& name : names_in(in))
-      if (is_leftover(name)) remove_regular(in, name);
+    sweep(in, lease_);
 
     nlohmann::json found = manifest_of(in);
-    if (found.is_object()) found.erase(kComplete);
-    if (found == mine) {
+    moved_ = notes(found, kMoved);
+    found = without_notes(std::move(found));
+    if (found == mine || (moved_ && without_machine(found) == without_machine(mine))) {
+      moved_elsewhere_ = found != mine;
+      seal_ = found.dump();
       resumed_ = !alone.empty() ? checkpoint_status(folder).cases > 0
                                 : has(chunk_name("motion", 0)) || has(chunk_name("truth", 0));
       return;
@@ -216,6 +271,7 @@ Checkpoint::Checkpoint(const fs::path& folder, const CheckpointKey& key, const s
                                                                                      : "another build or machine") +
                              "; --force discards it, or choose another -o");
     worthless_ = true;
+    moved_ = false;
     erase_chunks(in);
     put_file(in, kManifest, {mine.dump(1)});
   } catch (const FileFailure& failure) {
@@ -224,29 +280,108 @@ Checkpoint::Checkpoint(const fs::path& folder, const CheckpointKey& key, const s
   }
 }
 
+Checkpoint::Checkpoint(const fs::path& folder, Lease::Seconds lease) : Checkpoint(folder, Begun{}) {
+  const CheckpointStatus status = checkpoint_status(folder);
+  if (status.alone)
+    throw Error(kFile, folder.string() + ": is an unfinished " + status.alone->name +
+                           ", which has no chunks to share; the same `pipeline run` resumes it");
+  lease_ = lease;
+  steps_ = status.steps;
+  try {
+    opened_ = open_folder(folder);
+    const nlohmann::json found = manifest_of(opened_.number());
+    moved_ = notes(found, kMoved);
+    seal_ = without_notes(found).dump();
+  } catch (const FileFailure& failure) {
+    cannot(folder, failure);
+  }
+}
+
 Checkpoint::~Checkpoint() {
   if (!worthless_ || saved_) return;
+  const auto of_worth = [](const std::string& name) { return is_chunk(name) && !name.starts_with(kDescription); };
+  if (std::ranges::any_of(names_in(opened_.number()), of_worth)) return;  // workers were quicker
   erase(opened_.number());
   rmdir(folder_.c_str());
 }
 
+void Checkpoint::require(const CheckpointKey& key, const std::string& given) const {
+  const auto found = nlohmann::json::parse(seal_, nullptr, false);
+  const char* other = text_in(found, "config_sha256") != key.config_sha256     ? "another configuration"
+                      : text_in(found, "inputs_sha256") != key.inputs_sha256   ? "other input files"
+                      : text_in(found, "program_sha256") != key.program_sha256 ? "another build"
+                                                                               : nullptr;
+  if (!other) return;
+  throw Error(kFile, folder_.string() + ": is an unfinished run of " + other + " than " + given +
+                         "; work on it with what it was begun with");
+}
+
+Checkpoint::State Checkpoint::state() const {
+  const nlohmann::json now = manifest_of(opened_.number());
+  if (now.is_null() || notes(now, kComplete)) return State::complete;
+  return without_notes(now).dump() == seal_ ? State::open : State::another;
+}
+
+void Checkpoint::describe(const std::string& configuration, const fs::path& from) const {
+  const std::string content = nlohmann::json{{"configuration", configuration}, {"from", from.string()}}.dump(
+      -1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string name = chunk_name(kDescription, 0);
+  if (whole(name, /*warn=*/false) != content) put(name, content, /*replace=*/true);
+}
+
+std::optional<Checkpoint::Description> Checkpoint::description() const {
+  const auto json = nlohmann::json::parse(whole(chunk_name(kDescription, 0), true).value_or(""), nullptr, false);
+  if (!json.is_object()) return std::nullopt;
+  return Description{text_in(json, "configuration"), text_in(json, "from")};
+}
+
+void Checkpoint::mark_moved() {
+  if (moved_) return;
+  note(kMoved);
+  moved_ = true;
+}
+
+bool Checkpoint::moved() const { return moved_ || notes(manifest_of(opened_.number()), kMoved); }
+
 bool Checkpoint::has(const std::string& name) const { return exists(opened_.number(), name); }
 
-std::optional<std::string> Checkpoint::load(const std::string& name) const {
+std::unique_ptr<Lease> Checkpoint::claim(const std::string& name) const {
+  try {
+    return take_lease(opened_.number(), claim_of(name), lease_);
+  } catch (const FileFailure& failure) {
+    cannot(folder_ / claim_of(name), failure);
+  }
+}
+
+bool Checkpoint::claimed(const std::string& name) const {
+  try {
+    return is_leased(opened_.number(), claim_of(name), lease_);
+  } catch (const FileFailure& failure) {
+    cannot(folder_ / claim_of(name), failure);
+  }
+}
+
+std::string Checkpoint::claimant(const std::string& name) const {
+  return holder_text(opened_.number(), claim_of(name));
+}
+
+std::optional<std::string> Checkpoint::load(const std::string& name) const { return whole(name, /*warn=*/true); }
+
+std::optional<std::string> Checkpoint::whole(const std::string& name, bool warn) const {
   std::string bytes;
   try {
     bytes = read_regular(opened_.number(), name, /*follow_links=*/false);
   } catch (const FileFailure& failure) {
-    if (failure.error() == ENOENT) return std::nullopt;
+    if (failure.error() == ENOENT || failure.error() == ESTALE) return std::nullopt;
     throw Error(kFile, (folder_ / name).string() + ": " + failure.what() +
                            "; remove it and run again: its steps are computed anew");
   }
   constexpr std::size_t kHead = sizeof kMagic + 16;
-  const bool whole =
+  const bool holds =
       bytes.size() >= kHead && bytes.compare(0, sizeof kMagic, kMagic, sizeof kMagic) == 0 &&
       bytes.compare(sizeof kMagic, 16, checksum(seal_, name, std::string_view(bytes).substr(kHead))) == 0;
-  if (!whole) {
-    std::fprintf(stderr, "warning: %s: is damaged; its steps are computed again\n", (folder_ / name).c_str());
+  if (!holds) {
+    if (warn) std::fprintf(stderr, "warning: %s: is damaged; its steps are computed again\n", (folder_ / name).c_str());
     return std::nullopt;
   }
   bytes.erase(0, kHead);
@@ -255,19 +390,41 @@ std::optional<std::string> Checkpoint::load(const std::string& name) const {
 
 void Checkpoint::save(const std::string& name, const std::string& content) const {
   if (!is_chunk(name)) throw std::logic_error(name + ": is no chunk's name");
+  put(name, content, /*replace=*/false);
+  saved_ = true;
+}
+
+void Checkpoint::put(const std::string& name, const std::string& content, bool replace) const {
+  const auto there = [&] {
+    try {
+      return whole(name, /*warn=*/false).has_value();
+    } catch (const Error&) {  // a link, say, is not followed
+      return false;
+    }
+  };
   try {
-    put_file(opened_.number(), name,
-             {std::string_view(kMagic, sizeof kMagic), checksum(seal_, name, content), content});
-    saved_ = true;
+    NewFile file(opened_.number(), name);
+    file.write({std::string_view(kMagic, sizeof kMagic), checksum(seal_, name, content), content});
+    try {
+      file.place(replace);
+    } catch (const FileFailure& failure) {
+      if (there()) return;
+      if (failure.error() != EEXIST) throw;
+      file.place(true);  // what is there is damaged
+    }
   } catch (const FileFailure& failure) {
     cannot(folder_ / name, failure);
   }
 }
 
 void Checkpoint::remove() {
-  erase(opened_.number());
-  worthless_ = false;
-  if (rmdir(folder_.c_str()) == 0) return;
+  // A worker that was stopped beyond its lease may put something there yet.
+  constexpr int kTries = 3;
+  for (int i = 0; i < kTries; ++i) {
+    erase(opened_.number());
+    worthless_ = false;
+    if (rmdir(folder_.c_str()) == 0) return;
+  }
   std::string why = std::strerror(errno);
   const std::vector<std::string> left = names_in(opened_.number());
   if (!left.empty()) why = one_line(left.front()).append(" is in it");
@@ -275,15 +432,20 @@ void Checkpoint::remove() {
                why.c_str());
 }
 
-void Checkpoint::mark_complete() const {
+void Checkpoint::note(const char* what) const {
   nlohmann::json manifest = nlohmann::json::parse(seal_);
-  manifest[kComplete] = true;
-  saved_ = true;
+  if (moved_) manifest[kMoved] = true;
+  manifest[what] = true;
   try {
     put_file(opened_.number(), kManifest, {manifest.dump(1)});
   } catch (const FileFailure& failure) {
     cannot(folder_, failure);
   }
+}
+
+void Checkpoint::mark_complete() const {
+  saved_ = true;
+  note(kComplete);
 }
 
 void Checkpoint::remove_complete(const fs::path& folder) {

@@ -101,7 +101,9 @@ std::string Digest::hex() const {
 }
 
 bool is_digested(const Dataset& dataset) {
-  if (dataset.path == "/config" || dataset.path.ends_with("_ns") || dataset.path.ends_with("_bytes")) return false;
+  if (dataset.path == "/config" || dataset.path.ends_with("_ns") || dataset.path.ends_with("_bytes") ||
+      dataset.path.starts_with("/machines/"))
+    return false;
   return dataset.scale == Scale::none || dataset.path == "/step" || dataset.path == "/body" ||
          dataset.path == "/algorithm";
 }

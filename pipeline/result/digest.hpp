@@ -10,8 +10,9 @@
 //   integer  its rank, then its size along each dimension; a scalar has rank 0
 //   values   row-major; numbers as little-endian bytes of their type, every NaN as 0x7ff8000000000000; texts as texts
 //
-// Which datasets: all but /config, those named *_ns (clocks) or *_bytes (heap) and scales; of the scales /step, /body
-// and /algorithm only (the others number or name the entries of a dimension). Attributes do not count.
+// Which datasets: all but /config, those of /machines, those named *_ns (clocks) or *_bytes (heap) and scales; of the
+// scales /step, /body and /algorithm only (the others number or name the entries of a dimension). Attributes do not
+// count.
 //
 // The digest of /motion, /truth and each /answers/<label> is over the datasets directly in that group, in order of path
 // (byte by byte). The digest of / is over, for each of those groups in order of path, text path, text digest; then

@@ -215,6 +215,10 @@ Group answers(const Answers& answers, const Sizes& n) {
                                                      {"status", std::string(failed(answers) ? "failed" : "complete")},
                                                      {"reason", foreign->reason},
                                                      {"steps_done", foreign->steps_done}});
+  if (const auto& foreign = answers.foreign) {
+    if (!foreign->tests.empty()) group.attributes.push_back({"tests", foreign->tests});
+    if (!foreign->licence.empty()) group.attributes.push_back({"licence", foreign->licence});
+  }
   if (answers.machine.pinned >= 0) group.attributes.push_back({"pinned", answers.machine.pinned});
   const auto cost = [&](const char* name, double value) {
     if (!std::isnan(value)) group.attributes.push_back({name, static_cast<std::int64_t>(value)});

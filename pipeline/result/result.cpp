@@ -21,6 +21,24 @@ std::vector<Pair> Truth::scoring(std::size_t step) const {
   return out;
 }
 
+Truth Truth::some(std::size_t first, std::size_t last) const {
+  Truth out;
+  out.containment = containment;
+  for (std::size_t step = first; step < last; ++step) {
+    out.hits.append(hits.at(step));
+    if (lists_contained()) out.contained.append(contained.at(step));
+  }
+  return out;
+}
+
+std::vector<std::string> processors(const Answers& answers) {
+  std::vector<std::string> all;
+  for (const Machine& machine : answers.timed_on)
+    if (std::ranges::find(all, machine.processor) == all.end()) all.push_back(machine.processor);
+  if (all.empty()) all.push_back(answers.machine.processor);
+  return all;
+}
+
 bool sound(const PairLists& lists, std::uint64_t steps, std::uint64_t bodies) {
   bool sound = lists.offset.size() == steps + 1 && lists.offset.front() == 0 &&
                lists.offset.back() == lists.pair.size() && std::ranges::is_sorted(lists.offset) &&

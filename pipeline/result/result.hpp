@@ -71,6 +71,7 @@ struct ForeignFacts {
   std::string command;                       // of a program, its words
   std::string files = "{}";                  // JSON object: file -> SHA-256, of what it is made of
   std::string version, language, precision;  // by its own word
+  std::string tests, licence;                // likewise; empty: it does not say
   std::int64_t threads = 1;
   std::string reason;           // why it failed; empty: it did not
   std::int64_t steps_done = 0;  // steps that it answered before; of those after it nothing is known
@@ -83,6 +84,7 @@ struct Answers {
   std::string library;                  // name and version of somebody else's that answered; empty: none
   std::optional<ForeignFacts> foreign;  // of a method of others
   Machine machine;
+  std::vector<Machine> timed_on;  // of every chunk of kChunkSteps steps, where they are not all `machine`'s
   Costs costs;
   PairLists hits;
   // columns, S
@@ -92,6 +94,11 @@ struct Answers {
   std::vector<std::uint64_t> operations, true_positive, false_positive, false_negative, rounding_miss;
   std::vector<std::uint64_t> contained_hit;  // S with Containment::record, else empty
 };
+
+/// The processors that it was timed on, each once, in the order of the chunks. Times of unlike ones are no times of one
+/// machine: such a label has a time per step, but none of the run.
+std::vector<std::string> processors(const Answers& answers);
+inline bool timed_on_unlike(const Answers& answers) { return processors(answers).size() > 1; }
 
 /// Whether it failed at some step.
 inline bool failed(const Answers& answers) { return answers.foreign && !answers.foreign->reason.empty(); }
@@ -118,8 +125,10 @@ struct GapLists {
 };
 
 struct Truth {
-  PairLists hits;                     // by surface
-  std::vector<std::int64_t> time_ns;  // S
+  PairLists hits;                        // by surface
+  std::vector<std::int64_t> time_ns;     // S
+  Machine machine = {};                  // that decided it; not in files
+  std::vector<Machine> decided_on = {};  // of every chunk of kChunkSteps steps, where they are not all `machine`'s
   Containment containment = Containment::ignore;
   PairLists contained;  // disjoint from hits; without steps when ignored
   // Where `contained` has steps: of each of its pairs the body that is inside. Absent in files older than it.
@@ -129,6 +138,8 @@ struct Truth {
   std::optional<GapLists> gaps;  // only where asked for
 
   bool lists_contained() const { return containment != Containment::ignore; }
+  /// Hits and contained pairs of steps `first` up to, not including, `last`.
+  Truth some(std::size_t first, std::size_t last) const;
   /// The pairs by which the answers of a step are scored: sorted.
   std::vector<Pair> scoring(std::size_t step) const;
 };

@@ -62,6 +62,16 @@ struct SceneSize {
   std::uint64_t contact_spheres = 0, placing_bytes = 0;
 };
 
+/// What a body is that was read from files, for whoever wants to see whether it was read as it was meant.
+struct BodyFacts {
+  std::string name, mesh;
+  bool fixed = false, closed = false;
+  std::uint64_t facets = 0;
+  geometry::Vec3 size = geometry::Vec3::Zero();  // m, of the box around it in its own frame
+  double path = 0;                               // m, the greatest side of the box around its positions
+  std::string doubt = {};                        // what looks wrong; empty: nothing does
+};
+
 /// One kind of scene, as data.
 struct SceneKind {
   std::string name;                                           // scene.kind
@@ -93,6 +103,8 @@ struct SceneKind {
   /// Reads the files that the scene names and puts what follows from them into `config`, but not what they hold: `make`
   /// reads them again, and refuses those that were changed since. Null: it names none.
   void (*complete)(SceneConfig& config) = nullptr;
+  /// The bodies that files made, as read then. Null: there are none.
+  std::vector<BodyFacts> (*facts)(const SceneConfig& config) = nullptr;
 };
 
 const std::vector<SceneKind>& scene_kinds();

@@ -18,7 +18,8 @@ enum class ContactRadius { nominal, inscribed };
 
 struct SceneKind;  // pipeline/scene/scene.hpp
 
-constexpr std::int64_t kSeed = 1;  // of a configuration that names none
+constexpr std::int64_t kSeed = 1;                     // of a configuration that names none
+constexpr double kLeastRate = 1e-6, kMostRate = 1e6;  // samples per second
 
 /// The part of a configuration that a scene is made of. A kind of scene sees this and nothing else of it.
 struct SceneConfig {
@@ -39,6 +40,7 @@ struct SceneConfig {
   bool rate_given = false;
   std::map<std::string, std::string> inputs;  // every file read, as written -> its SHA-256
   std::vector<std::string> notes;             // what should be said of them, one line each
+  std::vector<std::string> understood;        // how they were read where it could have been otherwise, one line each
 
   template <class Keys>
   const Keys& keys() const {

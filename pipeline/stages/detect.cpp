@@ -8,10 +8,12 @@
 #include <limits>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "pipeline/result/answer_chunk.hpp"
 #include "pipeline/result/columns.hpp"
+#include "pipeline/stages/chunks.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/system/heap.hpp"
 #include "pipeline/terminal/error.hpp"
@@ -51,7 +53,7 @@ Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
   using Clock = std::chrono::steady_clock;
   try {
     Entry entry;
-    entry.promise = row_of(choice).promise;
+    entry.promise = algorithms::promise(row_of(choice), choice.knobs);
     std::chrono::nanoseconds spent;
     {
       const CountingHeap now(entry.heap);
@@ -65,7 +67,7 @@ Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
     entry.costs = entry.foreign ? costs_of(entry.foreign->about()) : Costs{double(spent.count()), held, held};
     return entry;
   } catch (const std::invalid_argument& error) {
-    throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+    throw Error(kInput, whose(choice) + error.what());
   } catch (const std::bad_alloc&) {
     throw OutOfMemory(choice, bodies);
   }
@@ -81,20 +83,21 @@ void adopt(const About& about, Answers& answers) {
   facts.version = about.version;
   facts.language = about.language;
   facts.precision = about.precision;
+  facts.tests = about.tests;
+  facts.licence = about.licence;
   facts.threads = about.threads;
 }
 
-/// A method of others in the state after `answers`, warmed up by the first step that it will be asked about; or one
-/// that has failed.
+/// A method of others, warmed up by the first step that it will be asked about; or one that failed there, and why.
+/// `waited` s were for answers of it before.
 Entry set_up_foreign(const Bodies& bodies, const AlgorithmChoice& choice, std::span<const Pose> poses,
-                     Answers& answers) {
-  if (failed(answers)) return {};
+                     std::int64_t first, double waited, Answers& answers) {
   ForeignFacts& facts = *answers.foreign;
   try {
     Entry entry = set_up(bodies, choice);
     adopt(entry.foreign->about(), answers);
-    entry.foreign->add_waited(facts.waited);
-    entry.foreign->at(std::uint32_t(answers.hits.steps()));
+    entry.foreign->add_waited(waited);
+    entry.foreign->at(std::uint32_t(first));
     entry.foreign->warm_up(poses, geometry::pair_runs(bodies, poses), choice.foreign->warm_up);
     return entry;
   } catch (const Fault& fault) {
@@ -180,11 +183,12 @@ std::uint64_t counted(Entry& entry, std::span<const Pose> poses, std::span<const
   return operations;
 }
 
-/// All or nothing: what throws leaves `out` as it was.
+/// A step of a chunk that begins at step `first` of the run. All or nothing: what throws leaves `out` as it was.
 void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const PairRun> runs, const Truth& all_truth,
-                 std::size_t step, std::int64_t repeats, std::vector<Pair>& timed_hits, Answers& out) {
+                 std::int64_t first, std::size_t step, std::int64_t repeats, std::vector<Pair>& timed_hits,
+                 Answers& out) {
   Method& method = *entry.method;
-  if (entry.foreign) entry.foreign->at(std::uint32_t(step));
+  if (entry.foreign) entry.foreign->at(std::uint32_t(first) + std::uint32_t(step));
   std::vector<Pair> hits;
   const std::uint64_t operations = counted(entry, poses, runs, hits);
   timed_hits.reserve(hits.size());
@@ -203,7 +207,7 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
   try {
     check_hits(hits, runs);
   } catch (const std::logic_error& error) {
-    throw std::logic_error(out.label + ": step " + std::to_string(step) + ": " + error.what());
+    throw std::logic_error(out.label + ": step " + std::to_string(first + std::int64_t(step)) + ": " + error.what());
   }
   const std::vector<Pair> missed = without(all_truth.scoring(step), hits);
   const std::uint64_t rounding =
@@ -233,17 +237,6 @@ void guarded(Entry& entry, Answers& answers, Act act) {
     answers.foreign->reason = fault.what();
     entry = {};
   }
-}
-
-/// A step of which nothing is known, as its method has failed.
-void leave_out_step(const Truth& truth, Answers& out) {
-  each_answer_column([&](const auto& column) {
-    if (!column.optional) (out.*column.member).push_back(0);
-  });
-  out.processor_ns.push_back(0);
-  out.exchange_ns.push_back(0);
-  if (truth.containment == Containment::record) out.contained_hit.push_back(0);
-  out.hits.append({});
 }
 
 }  // namespace
@@ -282,19 +275,23 @@ OutOfMemory::OutOfMemory(const AlgorithmChoice& choice, const Bodies& bodies)
                         bytes_text(algorithms::memory(row_of(choice), bodies, choice.knobs).greatest) +
                         ": sample fewer facets, or take fewer bodies or segments") {}
 
-std::map<std::string, About> refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
+Heard refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices) {
   constexpr std::uint64_t kLarge = 64 << 20;  // bytes; making more takes too long to be done only to ask
-  std::map<std::string, About> abouts;
+  Heard heard;
   for (const AlgorithmChoice& choice : choices) {
     try {
       if (!choice.foreign && algorithms::memory(row_of(choice), bodies, choice.knobs).greatest > kLarge) continue;
     } catch (const std::invalid_argument& error) {
-      throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+      throw Error(kInput, whose(choice) + error.what());
     }
     try {
       const Entry entry = set_up(bodies, choice);
-      if (entry.foreign) abouts[choice.label] = entry.foreign->about();
+      if (entry.foreign) heard.abouts[choice.label] = entry.foreign->about();
     } catch (const Fault& fault) {
+      if (choice.optional) {
+        heard.silent[choice.label] = fault.what();
+        continue;
+      }
       const std::string command = text_of(choice.foreign->command);
       throw Error(kInput,
                   "algorithm '" + choice.label + "': " +
@@ -303,22 +300,77 @@ std::map<std::string, About> refuse_unfit(const Bodies& bodies, const std::vecto
                       fault.what());
     }
   }
-  return abouts;
+  return heard;
 }
 
-std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<Pose>>& poses, const Truth& truth,
-                            const std::vector<AlgorithmChoice>& asked, std::int64_t repeats, const Machine& machine,
-                            const Checkpoint* part, Progress& progress, bool noise) {
-  std::vector<AlgorithmChoice> choices = asked;
-  if (noise && !asked.empty()) choices.push_back(asked.front());  // like any other, but with no label of its own
+struct Detector::Asked {
+  const Bodies& bodies;
+  std::vector<AlgorithmChoice> choices;
+  std::int64_t repeats;
+  std::vector<Entry> entries = {};           // made when a chunk is
+  std::vector<std::int64_t> failed_at = {};  // per choice the first step of the first chunk in which it failed
+  std::vector<double> waited = {};           // per choice, s
+  std::set<std::int64_t> looked_at = {};     // chunks, for what failed in them
+  std::vector<Pair> timed_hits = {};
+
+  /// Learns from the chunks before `first`, where there are methods of others.
+  void look_back(std::int64_t first, const Checkpoint* part) {
+    if (!part || std::ranges::none_of(choices, [](const AlgorithmChoice& choice) { return bool(choice.foreign); }))
+      return;
+    for (std::int64_t before = 0; before < first; before += kChunkSteps) {
+      if (looked_at.contains(before) || !part->has(chunk_name("answers", before))) continue;
+      if (const auto bytes = part->load(chunk_name("answers", before))) learn(before, kChunkSteps, *bytes);
+    }
+  }
+
+  void learn(std::int64_t first, std::int64_t steps, const std::string& bytes) {
+    looked_at.insert(first);
+    ChunkReader in(bytes);
+    for (std::size_t a = 0; a < choices.size(); ++a) {
+      const Answers found = get_steps(in, steps, bodies.size());
+      if (failed(found)) failed_at[a] = std::min(failed_at[a], first);
+      if (found.foreign) waited[a] = std::max(waited[a], found.foreign->waited);
+    }
+  }
+
+  /// All set up for the chunk, memories empty; what has failed before it is not.
+  void get_ready(std::int64_t first, std::span<const Pose> poses, std::vector<Answers>& all) {
+    entries.resize(choices.size());
+    for (std::size_t a = 0; a < choices.size(); ++a) {
+      Entry& entry = entries[a];
+      if (failed_at[a] < first) {
+        entry = {};
+        all[a].foreign->reason = "it failed before";
+      } else if (!entry.method) {
+        entry = choices[a].foreign ? set_up_foreign(bodies, choices[a], poses, first, waited[a], all[a])
+                                   : set_up(bodies, choices[a]);
+      } else if (entry.foreign) {
+        adopt(entry.foreign->about(), all[a]);
+      }
+      all[a].costs = entry.costs;
+      guarded(entry, all[a], [&] { entry.method->forget(); });
+    }
+  }
+};
+
+Detector::Detector(const Bodies& bodies, const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, bool noise)
+    : asked_(new Asked{bodies, choices, repeats}) {
+  if (noise && !choices.empty()) asked_->choices.push_back(choices.front());  // like any other, but with no label
+  asked_->failed_at.assign(asked_->choices.size(), std::numeric_limits<std::int64_t>::max());
+  asked_->waited.assign(asked_->choices.size(), 0);
+}
+
+Detector::~Detector() = default;
+
+std::vector<Answers> Detector::none() const {
   std::vector<Answers> all;
-  for (const AlgorithmChoice& choice : choices) {
+  for (const AlgorithmChoice& choice : asked_->choices) {
     const algorithms::Algorithm& row = row_of(choice);
     Answers answers;
     answers.label = choice.label;
     answers.name = row.name;
     answers.knobs = knobs_json(choice.knobs);
-    answers.promise = algorithms::text(row.promise);
+    answers.promise = algorithms::text(algorithms::promise(row, choice.knobs));
     answers.thesis_key = row.thesis_key;
     answers.operations_unit = row.operations_unit;
     answers.scope = algorithms::text(row.scope);
@@ -329,56 +381,73 @@ std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<
       answers.foreign->command = text_of(choice.foreign->command);
       answers.foreign->files = nlohmann::json(choice.foreign->files).dump();
     }
-    answers.machine = machine;
     all.push_back(std::move(answers));
   }
+  return all;
+}
 
-  std::vector<Entry> entries;  // made when the first chunk needs them
-  std::vector<Pair> timed_hits;
-  const std::int64_t steps = std::int64_t(poses.size());
-  for (std::int64_t first = 0; first < steps; first += kChunkSteps) {
-    const std::int64_t last = std::min(first + kChunkSteps, steps);
-    const std::string name = chunk_name("answers", first);
-    if (const auto kept = part ? part->load(name) : std::nullopt) {
-      ChunkReader in(*kept);
-      for (Answers& answers : all) append_steps(get_steps(in, last - first, bodies.size()), answers);
-      progress.add(std::uint64_t(last - first), false);
-      continue;
+std::string Detector::make(std::int64_t first, std::span<const std::vector<Pose>> poses, const Truth& truth,
+                           const Machine& machine, const Checkpoint* part, Progress& progress) {
+  const Bodies& bodies = asked_->bodies;
+  std::vector<Entry>& entries = asked_->entries;
+  std::vector<Answers> all = none();
+  asked_->look_back(first, part);
+  asked_->get_ready(first, poses[0], all);
+  for (std::size_t step = 0; step < poses.size(); ++step) {
+    stop_if_wanted();
+    const std::vector<PairRun> runs = geometry::pair_runs(bodies, poses[step]);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const std::size_t a = (std::size_t(first) + step) % 2 ? entries.size() - 1 - i : i;
+      try {
+        guarded(entries[a], all[a], [&] {
+          answer_step(entries[a], poses[step], runs, truth, first, step, asked_->repeats, asked_->timed_hits, all[a]);
+          if (entries[a].foreign) ++all[a].foreign->steps_done;
+        });
+      } catch (const std::bad_alloc&) {
+        throw OutOfMemory(asked_->choices[a], bodies);
+      }
+      if (!entries[a].method) leave_out_step(truth.containment == Containment::record, all[a]);
+      progress.tick();
     }
+    progress.add(1);
+  }
+  ChunkWriter out;
+  for (std::size_t a = 0; a < entries.size(); ++a) {
+    if (entries[a].foreign) asked_->waited[a] = entries[a].foreign->waited();
+    if (all[a].foreign) all[a].foreign->waited = asked_->waited[a];
+    if (failed(all[a])) asked_->failed_at[a] = std::min(asked_->failed_at[a], first);
+    put_steps(all[a], 0, std::int64_t(poses.size()), out);
+  }
+  put_machine(machine, out);
+  asked_->looked_at.insert(first);
+  return std::move(out.bytes);
+}
 
-    if (entries.empty())
-      for (std::size_t a = 0; a < choices.size(); ++a) {
-        entries.push_back(choices[a].foreign ? set_up_foreign(bodies, choices[a], poses[first], all[a])
-                                             : set_up(bodies, choices[a]));
-        if (std::isnan(all[a].costs.setup_ns)) all[a].costs = entries.back().costs;  // else of the run that is resumed
-      }
-    for (std::size_t a = 0; a < entries.size(); ++a)  // a resumed run starts here
-      guarded(entries[a], all[a], [&] { entries[a].method->forget(); });
-    for (std::int64_t step = first; step < last; ++step) {
-      stop_if_wanted();
-      const std::vector<PairRun> runs = geometry::pair_runs(bodies, poses[step]);
-      for (std::size_t i = 0; i < entries.size(); ++i) {
-        const std::size_t a = step % 2 ? entries.size() - 1 - i : i;
-        try {
-          guarded(entries[a], all[a], [&] {
-            answer_step(entries[a], poses[step], runs, truth, std::size_t(step), repeats, timed_hits, all[a]);
-            if (entries[a].foreign) ++all[a].foreign->steps_done;
-          });
-        } catch (const std::bad_alloc&) {
-          throw OutOfMemory(choices[a], bodies);
-        }
-        if (!entries[a].method) leave_out_step(truth, all[a]);
-        progress.tick();
-      }
-      progress.add(1);
-    }
-    for (std::size_t a = 0; a < entries.size(); ++a)
-      if (entries[a].foreign) all[a].foreign->waited = entries[a].foreign->waited();
-    if (part) {
-      ChunkWriter out;
-      for (const Answers& answers : all) put_steps(answers, first, last, out);
-      part->save(name, out.bytes);
-    }
+void Detector::append(const std::string& bytes, std::size_t steps, std::vector<Answers>& all) const {
+  ChunkReader in(bytes);
+  std::vector<Answers> chunk;
+  for (std::size_t a = 0; a < all.size(); ++a)
+    chunk.push_back(get_steps(in, std::int64_t(steps), asked_->bodies.size()));
+  const Machine machine = get_machine(in);
+  for (std::size_t a = 0; a < all.size(); ++a) append_chunk(chunk[a], machine, all[a]);
+}
+
+std::vector<Answers> detect(const Bodies& bodies, const std::vector<std::vector<Pose>>& poses, const Truth& truth,
+                            const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Machine& machine,
+                            const Checkpoint* part, Progress& progress, bool noise) {
+  Detector detector(bodies, choices, repeats, noise);
+  const auto steps = std::int64_t(poses.size());
+  ChunkStage stage{.name = "answers", .steps = steps, .make = [&](ChunkSteps at) {
+                     const auto some = std::span(poses).subspan(std::size_t(at.first), at.count());
+                     return detector.make(at.first, some, truth.some(std::size_t(at.first), std::size_t(at.last)),
+                                          machine, part, progress);
+                   }};
+  std::vector<std::string> chunks = all_chunks(std::move(stage), part, progress);
+  std::vector<Answers> all = detector.none();
+  for (Answers& answers : all) answers.machine = machine;
+  for (std::size_t chunk = 0; chunk < chunks.size(); ++chunk) {
+    const std::string bytes = std::move(chunks[chunk]);  // freed here: not all is there twice
+    detector.append(bytes, steps_of_chunk(chunk, steps).count(), all);
   }
   return all;
 }

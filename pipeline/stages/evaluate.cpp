@@ -8,8 +8,8 @@
 #include "pipeline/stages/extremes.hpp"
 #include "pipeline/stages/interval.hpp"
 #include "pipeline/stages/passes.hpp"
+#include "pipeline/stages/proxies.hpp"
 #include "pipeline/stages/summary.hpp"
-#include "pipeline/system/pinned.hpp"
 #include "pipeline/terminal/progress.hpp"
 
 namespace pipeline {
@@ -54,7 +54,8 @@ std::optional<Noise> noise_of(const Answers& first, const Answers& again) {
   return Noise{first.label, ratio.value, ratio.low, ratio.high, again.time_ns};
 }
 
-/// This machine as it is while `pinned` holds; said, where that was asked for.
+}  // namespace
+
 Machine machine_of(const Pinned& pinned, const std::optional<std::int64_t>& pin, bool quiet) {
   Machine here = machine();
   here.pinned = pinned.processor();
@@ -65,8 +66,6 @@ Machine machine_of(const Pinned& pinned, const std::optional<std::int64_t>& pin,
     std::fprintf(stderr, "timed on processor %lld\n", static_cast<long long>(here.pinned));
   return here;
 }
-
-}  // namespace
 
 Evaluation evaluate(const Question& question, const std::vector<AlgorithmChoice>& choices, const TimingRules& timing,
                     const Checkpoint* part, bool quiet, Forecast& forecast) {
@@ -89,6 +88,7 @@ Evaluation evaluate(const Question& question, const std::vector<AlgorithmChoice>
   }
   if (!scene.passes.empty() || known.find<Passes>())
     out.products.put(of_passes(question, choices, out.answers, quiet, forecast));
+  if (Proxies proxies = proxies_of(bodies, choices); !proxies.rows.empty()) out.products.put(std::move(proxies));
   const std::uint64_t pairs = judged_pairs(bodies, poses, truth);
   for (const Answers& answers : out.answers) out.summary.push_back(summarise(answers, pairs));
   return out;

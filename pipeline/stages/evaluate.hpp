@@ -8,6 +8,7 @@
 #include "pipeline/result/result.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/choice.hpp"
+#include "pipeline/system/pinned.hpp"
 #include "pipeline/terminal/forecast.hpp"
 
 namespace pipeline {
@@ -34,6 +35,9 @@ struct Evaluation {
   std::vector<Summary> summary;
   Products products;  // with what is true of passes and cases unless it was known
 };
+
+/// This machine as it is while `pinned` holds; said, where that was asked for.
+Machine machine_of(const Pinned& pinned, const std::optional<std::int64_t>& pin, bool quiet);
 
 /// Asks, times and judges. Chunks that `part` holds are taken from it; it may be null.
 Evaluation evaluate(const Question& question, const std::vector<AlgorithmChoice>& choices, const TimingRules& timing,

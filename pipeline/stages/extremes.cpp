@@ -8,6 +8,7 @@
 #include "geometry/decision/meet.hpp"
 #include "pipeline/result/answer_chunk.hpp"
 #include "pipeline/result/columns.hpp"
+#include "pipeline/stages/chunks.hpp"
 #include "pipeline/stages/detect.hpp"
 #include "pipeline/terminal/error.hpp"
 
@@ -205,50 +206,54 @@ std::vector<ExtremeCase> extreme_rows(const Bodies& bodies, const Poses& poses, 
   return cases;
 }
 
+std::string make_extremes(const Bodies& bodies, const Poses& poses, const Truth& truth,
+                          const std::vector<CaseSet>& sets, const std::vector<AlgorithmChoice>& choices,
+                          std::int64_t repeats, const Machine& machine, std::int64_t first, std::int64_t last,
+                          Progress& progress) {
+  std::vector<Answers> answers(choices.size());
+  std::vector<ExtremeAnswers> cases(choices.size());
+  for (const CaseSet& set : sets) {
+    const std::int64_t from = std::max(first, set.first_step), to = std::min(last, set.first_step + set.steps);
+    if (from >= to) continue;
+    const Stretch stretch(bodies, poses, truth, set, from, to);
+    for (std::size_t c = 0; c < choices.size(); ++c) {
+      stop_if_wanted();
+      answer_all(stretch, set, choices[c], repeats, machine, answers[c], cases[c]);
+    }
+    progress.add(std::uint64_t(to - from));
+  }
+  ChunkWriter out;
+  for (std::size_t c = 0; c < choices.size(); ++c) out.put(bytes_of(answers[c], cases[c]));
+  put_machine(machine, out);
+  return std::move(out.bytes);
+}
+
 ExtremesDetected detect_extremes(const Bodies& bodies, const Poses& poses, const Truth& truth,
                                  const std::vector<CaseSet>& sets, const std::vector<AlgorithmChoice>& choices,
                                  std::int64_t repeats, const Machine& machine, const Checkpoint* part,
                                  Progress& progress) {
   ExtremesDetected all;
-  {
-    Progress silent("", 0, true);
-    all.answers = detect(bodies, {}, {}, choices, repeats, machine, nullptr, silent);  // what does not depend on steps
-  }
+  all.answers = Detector(bodies, choices, repeats, /*noise=*/false).none();
+  for (Answers& answers : all.answers) answers.machine = machine;
   all.cases.resize(choices.size());
-  const std::int64_t steps = std::int64_t(poses.size());
-  for (std::int64_t first = 0; first < steps; first += kChunkSteps) {
-    const std::int64_t last = std::min(first + kChunkSteps, steps);
-    const std::string name = chunk_name("answers", first);
-    if (const auto kept = part ? part->load(name) : std::nullopt) {
-      ChunkReader in(*kept);
-      for (std::size_t c = 0; c < choices.size(); ++c) {
-        const std::string bytes = in.text();
-        ChunkReader one(bytes);
-        append_steps(get_steps(one, last - first, bodies.size()), all.answers[c]);
-        append_cases(get_cases(one, std::size_t(last - first)), all.cases[c]);
-      }
-      progress.add(std::uint64_t(last - first), false);
-      continue;
-    }
-    std::vector<Answers> answers(choices.size());
-    std::vector<ExtremeAnswers> cases(choices.size());
-    for (const CaseSet& set : sets) {
-      const std::int64_t from = std::max(first, set.first_step), to = std::min(last, set.first_step + set.steps);
-      if (from >= to) continue;
-      const Stretch stretch(bodies, poses, truth, set, from, to);
-      for (std::size_t c = 0; c < choices.size(); ++c) {
-        stop_if_wanted();
-        answer_all(stretch, set, choices[c], repeats, machine, answers[c], cases[c]);
-      }
-      progress.add(std::uint64_t(to - from));
-    }
-    ChunkWriter out;
+  const auto steps = std::int64_t(poses.size());
+  ChunkStage stage{.name = "answers", .steps = steps, .make = [&](ChunkSteps at) {
+                     return make_extremes(bodies, poses, truth, sets, choices, repeats, machine, at.first, at.last,
+                                          progress);
+                   }};
+  const std::vector<std::string> chunks = all_chunks(std::move(stage), part, progress);
+  for (std::size_t chunk = 0; chunk < chunks.size(); ++chunk) {
+    const std::size_t count = steps_of_chunk(chunk, steps).count();
+    ChunkReader in(chunks[chunk]);
+    std::vector<Answers> answers;
     for (std::size_t c = 0; c < choices.size(); ++c) {
-      if (part) out.put(bytes_of(answers[c], cases[c]));
-      append_steps(answers[c], all.answers[c]);
-      append_cases(cases[c], all.cases[c]);
+      const std::string bytes = in.text();
+      ChunkReader one(bytes);
+      answers.push_back(get_steps(one, std::int64_t(count), bodies.size()));
+      append_cases(get_cases(one, count), all.cases[c]);
     }
-    if (part) part->save(name, out.bytes);
+    const Machine made_by = get_machine(in);
+    for (std::size_t c = 0; c < choices.size(); ++c) append_chunk(answers[c], made_by, all.answers[c]);
   }
   for (std::size_t c = 0; c < choices.size(); ++c)
     if (choices[c].foreign && std::ranges::any_of(all.cases[c].failed, [](std::uint8_t one) { return one != kWell; }))

@@ -29,6 +29,12 @@ struct ExtremesDetected {
   std::vector<ExtremeAnswers> cases;  // A
 };
 
+/// The bytes of the chunk of answers from step `first` up to `last`; of `truth` those steps are looked at.
+std::string make_extremes(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses,
+                          const Truth& truth, const std::vector<CaseSet>& sets,
+                          const std::vector<AlgorithmChoice>& choices, std::int64_t repeats, const Machine& machine,
+                          std::int64_t first, std::int64_t last, Progress& progress);
+
 /// Asks every algorithm of `choices` about every case: as detect does, then in the other order, and moved. A NaN on an
 /// algorithm's way shows in its answers only: the processor's flags do not tell, SLEEF raises them for an asin(0).
 /// Single-threaded. Chunks that `part` holds are taken from it; `part` may be null.

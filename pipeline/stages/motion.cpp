@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pipeline/system/threads.hpp"
+#include "pipeline/terminal/error.hpp"
 
 namespace pipeline {
 namespace {
@@ -135,7 +136,52 @@ MotionChunk integrate_chunk(const SceneConfig& config, const Scene& scene, const
   return chunk;
 }
 
+std::vector<std::vector<geometry::Pose>> poses_of(const MotionChunk& chunk, std::size_t bodies) {
+  std::vector<std::vector<geometry::Pose>> all(chunk.rows.size(), std::vector<geometry::Pose>(bodies));
+  for (std::size_t s = 0; s < all.size(); ++s)
+    for (std::size_t b = 0; b < bodies; ++b) all[s][b] = pose_of(chunk.samples[s * bodies + b]);
+  return all;
+}
+
+/// Where bodies are when the motion has failed: fixed ones stay, the others are nowhere.
+std::vector<geometry::Pose> nowhere(const Scene& scene) {
+  std::vector<geometry::Pose> poses(scene.bodies.size(), geometry::unborn());
+  for (std::size_t b = 0; b < poses.size(); ++b)
+    if (scene.bodies.fixed[b]) poses[b] = pose_of(scene.states[b]);
+  return poses;
+}
+
 }  // namespace
+
+bool has_poses(const SceneConfig& config, const Checkpoint& part, std::int64_t first) {
+  return !config.scene_kind->integrated || part.has(chunk_name("motion", first)) || part.moved();
+}
+
+std::optional<std::vector<std::vector<geometry::Pose>>> kept_poses(const SceneConfig& config, const Scene& scene,
+                                                                   const Checkpoint& part, std::int64_t first) {
+  const auto count = std::size_t(std::min(kChunkSteps, config.steps - first));
+  if (!config.scene_kind->integrated) {
+    const auto from = scene.script.begin() + first;
+    return std::vector(from, from + std::ptrdiff_t(count));
+  }
+  std::vector<std::vector<geometry::Pose>> poses;
+  const auto kept = [&](std::int64_t at) -> std::optional<MotionChunk> {
+    const auto steps = std::size_t(std::min(kChunkSteps, config.steps - at));
+    if (const auto bytes = part.load(chunk_name("motion", at)))
+      return MotionChunk::from(*bytes, steps, scene.bodies.size());
+    return std::nullopt;
+  };
+  if (const auto chunk = kept(first)) {
+    poses = poses_of(*chunk, scene.bodies.size());
+  } else {  // it failed before, or is not there
+    std::int64_t before = first - kChunkSteps;
+    while (before >= 0 && !part.has(chunk_name("motion", before))) before -= kChunkSteps;
+    const auto last = before < 0 ? std::nullopt : kept(before);
+    if (!last || last->failure.empty()) return std::nullopt;
+  }
+  poses.resize(count, nowhere(scene));
+  return poses;
+}
 
 MotionTrial try_motion(const SceneConfig& config, const Scene& scene, std::vector<BodyState> states, double seconds) {
   constexpr double kPart = 0.25;  // of a step; a whole one may take long
@@ -175,22 +221,24 @@ Motion integrate(const SceneConfig& config, const Scene& scene, const Checkpoint
     if (const auto kept = part.load(name)) {
       chunk = MotionChunk::from(*kept, std::size_t(last - first), bodies);
       progress.add(chunk.rows.size(), false);
+    } else if (part.moved_elsewhere()) {
+      throw Error(kFile, name +
+                             ": is gone or damaged, and the rest of the motion was made on another kind of machine; "
+                             "resume there, or begin anew with --force");
     } else {
       chunk = integrate_chunk(config, scene, states, reference_energy, seconds_spent, first, last, progress);
       part.save(name, chunk.bytes());
     }
     reference_energy = chunk.reference_energy;
+    for (std::vector<geometry::Pose>& poses : poses_of(chunk, bodies)) motion.poses.push_back(std::move(poses));
     for (std::size_t s = 0; s < chunk.rows.size(); ++s) {
-      std::vector<geometry::Pose> poses(bodies);
       for (std::size_t b = 0; b < bodies; ++b) {
         const BodyState& state = chunk.samples[s * bodies + b];
-        poses[b] = pose_of(state);
         if (!is_born(state)) continue;
         double norm = 0;
         for (const double part_of_q : state.orientation) norm += part_of_q * part_of_q;
         motion.physics.quaternion_drift = std::fmax(motion.physics.quaternion_drift, std::fabs(std::sqrt(norm) - 1));
       }
-      motion.poses.push_back(std::move(poses));
       motion.physics.rows.push_back(chunk.rows[s]);
       seconds_spent += double(chunk.rows[s].time_ns) * 1e-9;
     }
@@ -203,13 +251,9 @@ Motion integrate(const SceneConfig& config, const Scene& scene, const Checkpoint
     if (after_chunk) after_chunk(motion.poses);
   }
 
-  // The rest of a failed motion: fixed bodies stay, the others are nowhere.
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   while (std::int64_t(motion.poses.size()) < config.steps) {
-    std::vector<geometry::Pose> poses(bodies, geometry::unborn());
-    for (std::size_t b = 0; b < bodies; ++b)
-      if (scene.bodies.fixed[b]) poses[b] = pose_of(scene.states[b]);
-    motion.poses.push_back(std::move(poses));
+    motion.poses.push_back(nowhere(scene));
     PhysicsSample row;
     row.energy = row.kinetic_energy = row.greatest_penetration = kNaN;
     motion.physics.rows.push_back(row);

@@ -1,6 +1,7 @@
 // The motion stage: where every body is at every step.
 #pragma once
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "pipeline/result/checkpoint.hpp"
@@ -23,6 +24,12 @@ struct Motion {
 using AfterChunk = std::function<void(const std::vector<std::vector<geometry::Pose>>& poses)>;
 Motion integrate(const SceneConfig& config, const Scene& scene, const Checkpoint& part, Progress& progress,
                  const AfterChunk& after_chunk = {});
+
+/// Whether integrate made the steps of the chunk from step `first` on, as far as is known without reading them; and
+/// their poses, of a scene that is not integrated its script's. Nothing when they are not there, or damaged.
+bool has_poses(const SceneConfig& config, const Checkpoint& part, std::int64_t first);
+std::optional<std::vector<std::vector<geometry::Pose>>> kept_poses(const SceneConfig& config, const Scene& scene,
+                                                                   const Checkpoint& part, std::int64_t first);
 
 /// What a motion from some states costs at first, found by integrating for about `seconds`.
 struct MotionTrial {

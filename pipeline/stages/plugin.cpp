@@ -186,6 +186,25 @@ std::map<std::string, Plugin>& loaded() {
   return plugins;
 }
 
+/// Where the plug-in of a peer is, if anywhere: beside the program where it was built, or where it is installed.
+std::filesystem::path beside_the_program(const std::string& name) {
+  std::error_code none;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", none).parent_path();
+  for (const char* folder : {"plugins", "../lib/collision_benchmark"}) {
+    const std::filesystem::path file = (program / folder / ("lib" + name + ".so")).lexically_normal();
+    if (std::filesystem::exists(file, none)) return file;
+  }
+  return {};
+}
+
+/// The row of missing() whose plug-in this is, or nullptr.
+const Algorithm* peer_of(const std::string& name, const std::filesystem::path& file) {
+  const Algorithm* peer = algorithms::find_missing(name);
+  std::error_code none;
+  return peer && peer->library.plugin && std::filesystem::equivalent(file, beside_the_program(name), none) ? peer
+                                                                                                           : nullptr;
+}
+
 }  // namespace
 
 Plugin add_plugin(const std::string& written, const std::filesystem::path& folder, const std::string& place,
@@ -202,11 +221,14 @@ Plugin add_plugin(const std::string& written, const std::filesystem::path& folde
 
     std::vector<Algorithm> rows = rows_of(plugin.path.string(), limits);
     for (const Algorithm& row : rows)
-      if (algorithms::find(row.name) || algorithms::find_missing(row.name) || row.name == "program" ||
-          row.name == "none")
+      if (algorithms::find(row.name) || row.name == "program" || row.name == "none" ||
+          (algorithms::find_missing(row.name) && !peer_of(row.name, plugin.path)))
         throw std::invalid_argument("has a row '" + row.name + "', a name that another method has; rename it");
     for (Algorithm& row : rows) {
-      row.library.name = plugin.path.filename().string();
+      const std::string version = std::move(row.library.version);
+      const Algorithm* peer = peer_of(row.name, plugin.path);
+      row.library = peer ? peer->library : algorithms::Library{.name = plugin.path.filename().string()};
+      row.library.version = version;
       row.library.sha256 = plugin.sha256;
       row.make = [plugin, name = row.name](const Bodies& bodies, const Knobs& knobs) {
         return made(plugin, name, bodies, knobs);
@@ -220,6 +242,18 @@ Plugin add_plugin(const std::string& written, const std::filesystem::path& folde
     throw Error(kInput, whose + error.what());
   }
   return plugin;
+}
+
+std::string lacking(const Algorithm& missing) {
+  const std::filesystem::path file = missing.library.plugin ? beside_the_program(missing.name) : "";
+  if (file.empty()) return algorithms::remedy(missing);
+  try {
+    add_plugin(file.filename().string(), file.parent_path(), "here");
+    return "";
+  } catch (const Error& error) {
+    const std::string why = error.what();
+    return algorithms::remedy(missing) + "; as it is" + why.substr(why.find("': ") + 2);
+  }
 }
 
 std::vector<Plugin> add_plugins(const std::vector<std::string>& libraries) {
@@ -240,6 +274,9 @@ Foreign library(const Algorithm& row, const Knobs& knobs, const Budget& budget) 
     const auto make = [&] {
       return Hosted{{.name = row.name,
                      .version = row.library.version,
+                     .language = row.library.language,
+                     .tests = row.library.tests,
+                     .licence = row.library.licence,
                      .precision = row.precision,
                      .promise = row.promise,
                      .scope = row.scope,

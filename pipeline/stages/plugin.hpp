@@ -26,6 +26,10 @@ constexpr ChildLimits kPluginLimits{.processor_seconds = 10, .wall_seconds = 10}
 Plugin add_plugin(const std::string& written, const std::filesystem::path& folder, const std::string& place,
                   const ChildLimits& limits = kPluginLimits);
 
+/// What a row of algorithms::missing() needs and how to get it, as algorithms::remedy; empty when its plug-in lies
+/// beside the program and could be added, which is done here.
+std::string lacking(const algorithms::Algorithm& missing);
+
 /// Those of the command line (--plugin), relative to the current folder.
 std::vector<Plugin> add_plugins(const std::vector<std::string>& libraries);
 

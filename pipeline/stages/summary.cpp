@@ -42,7 +42,7 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   std::vector<std::int64_t> times = answers.time_ns;
   std::sort(times.begin(), times.end());
   const std::size_t n = times.size();
-  const bool timed = times.back() > 0;
+  const bool timed = times.back() > 0 && !timed_on_unlike(answers);
   const auto known = [&](double value) { return timed ? value : std::numeric_limits<double>::quiet_NaN(); };
   const Interval mean = mean_interval(answers.time_ns);
   row.time_mean_ns = known(mean.value);
@@ -51,7 +51,8 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   row.time_median_ns = known(median(times));
   row.time_p95_ns = known(double(times[(95 * n + 99) / 100 - 1]));
   const std::int64_t processor = total(answers.processor_ns);
-  row.processor_mean_ns = processor > 0 ? double(processor) / double(n) : std::numeric_limits<double>::quiet_NaN();
+  row.processor_mean_ns =
+      timed && processor > 0 ? double(processor) / double(n) : std::numeric_limits<double>::quiet_NaN();
   row.setup_ns = answers.costs.setup_ns;
   row.memory_bytes = answers.costs.memory_bytes;
   row.memory_greatest_bytes = answers.costs.memory_greatest_bytes;

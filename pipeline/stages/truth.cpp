@@ -1,15 +1,17 @@
 #include "pipeline/stages/truth.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
+#include <mutex>
 #include <utility>
 
 #include "geometry/decision/gap.hpp"
 #include "geometry/decision/meet.hpp"
+#include "pipeline/result/answer_chunk.hpp"
 #include "pipeline/result/products/gaps.hpp"
+#include "pipeline/result/provenance.hpp"
 #include "pipeline/scene/scene.hpp"
-#include "pipeline/system/threads.hpp"
+#include "pipeline/stages/chunks.hpp"
 #include "pipeline/terminal/error.hpp"
 
 namespace pipeline {
@@ -20,6 +22,7 @@ struct TruthChunk {
   std::vector<std::uint32_t> inside;  // of `contained`
   std::vector<std::int64_t> time_ns;
   std::optional<GapLists> gaps;
+  Machine machine;
 
   std::string bytes() const {
     ChunkWriter out;
@@ -34,6 +37,7 @@ struct TruthChunk {
       out.put(gaps->pairs.pair);
       each_gap_column([&](const auto& column) { out.put((*gaps).*column.member); });
     }
+    put_machine(machine, out);
     return std::move(out.bytes);  // a member: it would be copied
   }
   static TruthChunk from(const std::string& bytes, std::size_t steps, std::size_t bodies, bool lists_contained,
@@ -58,6 +62,7 @@ struct TruthChunk {
       each_gap_column(
           [&](const auto& column) { (*chunk.gaps).*column.member = in.get<double>(chunk.gaps->pairs.pair.size()); });
     }
+    chunk.machine = get_machine(in);
     return chunk;
   }
 };
@@ -107,68 +112,99 @@ TruthChunk decide_chunk(geometry::Decision& decision, geometry::GapSearch* searc
 
 }  // namespace
 
+/// What one thread decides with.
+struct TruthChunks::Deciding {
+  geometry::Decision decision;
+  std::optional<geometry::GapSearch> search;
+
+  Deciding(const geometry::Bodies& bodies, const std::vector<geometry::Bvh>& bvhs,
+           const std::vector<geometry::Solid>& solids, bool gaps)
+      : decision(bodies, bvhs, solids) {
+    if (gaps) search.emplace(bodies, bvhs);
+  }
+};
+
+struct TruthChunks::Shared {
+  const geometry::Bodies& bodies;
+  TruthRules rules;
+  Machine here = machine();
+  std::vector<geometry::Solid> solids = {};
+  std::vector<geometry::Bvh> bvhs = {};  // made when a chunk is
+  std::mutex mutex = {};
+  std::vector<std::unique_ptr<Deciding>> idle = {};
+
+  std::unique_ptr<Deciding> taken() {
+    const std::scoped_lock lock(mutex);
+    if (bvhs.empty()) bvhs = geometry::build_bvhs(bodies);
+    if (idle.empty()) return std::make_unique<Deciding>(bodies, bvhs, solids, rules.gap_margin.has_value());
+    auto one = std::move(idle.back());
+    idle.pop_back();
+    return one;
+  }
+  bool lists_contained() const { return rules.containment != Containment::ignore; }
+};
+
+TruthChunks::TruthChunks(const geometry::Bodies& bodies, const TruthRules& rules) : shared_(new Shared{bodies, rules}) {
+  if (!shared_->lists_contained()) return;
+  for (const geometry::Mesh& mesh : bodies.meshes)
+    shared_->solids.push_back(geometry::solid_of(mesh, bodies.closed_within));
+  if (std::ranges::none_of(shared_->solids, &geometry::Solid::closed))
+    throw Error(kInput, all_open_text(bodies.meshes[0].name, shared_->solids[0]));
+}
+
+TruthChunks::~TruthChunks() = default;
+
+std::string TruthChunks::make(std::span<const std::vector<geometry::Pose>> poses, Progress& progress) {
+  auto with = shared_->taken();
+  TruthChunk chunk =
+      decide_chunk(with->decision, with->search ? &*with->search : nullptr, shared_->rules.gap_margin.value_or(0),
+                   shared_->bodies, poses, shared_->lists_contained(), progress);
+  chunk.machine = shared_->here;
+  const std::scoped_lock lock(shared_->mutex);
+  shared_->idle.push_back(std::move(with));
+  return chunk.bytes();
+}
+
+Truth TruthChunks::none() const {
+  Truth truth;
+  truth.containment = shared_->rules.containment;
+  if (shared_->rules.gap_margin) truth.gaps.emplace().margin = *shared_->rules.gap_margin;
+  if (!truth.lists_contained()) return truth;
+  truth.contained_inside.emplace();
+  for (const geometry::Solid& solid : shared_->solids) truth.closed_within.push_back(solid.closed_within);
+  return truth;
+}
+
+void TruthChunks::append(const std::string& bytes, std::size_t steps, Truth& truth) const {
+  const TruthChunk chunk = TruthChunk::from(bytes, steps, shared_->bodies.size(), truth.lists_contained(),
+                                            shared_->rules.gap_margin.has_value());
+  note_machine(chunk.machine, truth.hits.steps(), truth.machine, truth.decided_on);
+  truth.hits.append_steps(chunk.hits);
+  truth.contained.append_steps(chunk.contained);
+  if (truth.contained_inside)
+    truth.contained_inside->insert(truth.contained_inside->end(), chunk.inside.begin(), chunk.inside.end());
+  truth.time_ns.insert(truth.time_ns.end(), chunk.time_ns.begin(), chunk.time_ns.end());
+  if (!truth.gaps) return;
+  GapLists& gaps = *truth.gaps;
+  gaps.pairs.append_steps(chunk.gaps->pairs);
+  each_gap_column([&](const auto& column) {
+    const std::vector<double>& more = (*chunk.gaps).*column.member;
+    (gaps.*column.member).insert((gaps.*column.member).end(), more.begin(), more.end());
+  });
+}
+
 Truth decide(const geometry::Bodies& bodies, const std::vector<std::vector<geometry::Pose>>& poses, int threads,
              const Checkpoint& part, Progress& progress, Containment containment, std::optional<double> gap_margin) {
-  Truth truth;
-  truth.containment = containment;
-  if (gap_margin) truth.gaps.emplace().margin = *gap_margin;
-  const std::size_t chunks = (poses.size() + kChunkSteps - 1) / kChunkSteps;
-  std::vector<TruthChunk> done(chunks);
-  std::vector<std::size_t> open;
-  for (std::size_t c = 0; c < chunks; ++c) {
-    if (const auto kept = part.load(chunk_name("truth", std::int64_t(c) * kChunkSteps))) {
-      const std::size_t steps = std::min<std::size_t>(kChunkSteps, poses.size() - c * kChunkSteps);
-      done[c] = TruthChunk::from(*kept, steps, bodies.size(), truth.lists_contained(), gap_margin.has_value());
-      progress.add(done[c].time_ns.size(), false);
-    } else {
-      open.push_back(c);
-    }
-  }
-
-  std::vector<geometry::Solid> solids;
-  if (truth.lists_contained()) {
-    truth.contained_inside.emplace();
-    for (const geometry::Mesh& mesh : bodies.meshes) {
-      solids.push_back(geometry::solid_of(mesh, bodies.closed_within));
-      truth.closed_within.push_back(solids.back().closed_within);
-    }
-    if (std::ranges::none_of(solids, &geometry::Solid::closed))
-      throw Error(kInput, all_open_text(bodies.meshes[0].name, solids[0]));
-  }
-  if (!open.empty()) {
-    const std::vector<geometry::Bvh> bvhs = geometry::build_bvhs(bodies);
-    const std::size_t workers = std::min<std::size_t>(std::size_t(std::max(threads, 1)), open.size());
-    std::atomic<std::size_t> next = 0;
-    const auto work = [&] {
-      geometry::Decision decision(bodies, bvhs, solids);
-      std::optional<geometry::GapSearch> search;
-      if (gap_margin) search.emplace(bodies, bvhs);
-      for (std::size_t i = next++; i < open.size(); i = next++) {
-        const std::size_t first = open[i] * kChunkSteps;
-        const std::size_t count = std::min<std::size_t>(kChunkSteps, poses.size() - first);
-        TruthChunk chunk = decide_chunk(decision, search ? &*search : nullptr, gap_margin.value_or(0), bodies,
-                                        std::span(poses).subspan(first, count), truth.lists_contained(), progress);
-        part.save(chunk_name("truth", std::int64_t(first)), chunk.bytes());
-        done[open[i]] = std::move(chunk);
-      }
-    };
-    on_threads(workers, work, [&] { next = open.size(); });  // the others finish their chunk and stop
-  }
-
-  for (TruthChunk& each : done) {
-    const TruthChunk chunk = std::move(each);  // freed here: not all is there twice
-    truth.hits.append_steps(chunk.hits);
-    truth.contained.append_steps(chunk.contained);
-    if (truth.contained_inside)
-      truth.contained_inside->insert(truth.contained_inside->end(), chunk.inside.begin(), chunk.inside.end());
-    truth.time_ns.insert(truth.time_ns.end(), chunk.time_ns.begin(), chunk.time_ns.end());
-    if (!truth.gaps) continue;
-    GapLists& gaps = *truth.gaps;
-    gaps.pairs.append_steps(chunk.gaps->pairs);
-    each_gap_column([&](const auto& column) {
-      const std::vector<double>& more = (*chunk.gaps).*column.member;
-      (gaps.*column.member).insert((gaps.*column.member).end(), more.begin(), more.end());
-    });
+  TruthChunks chunks(bodies, {containment, gap_margin});
+  ChunkStage stage{
+      .name = "truth", .steps = std::int64_t(poses.size()), .threads = threads, .make = [&](ChunkSteps at) {
+        return chunks.make(std::span(poses).subspan(std::size_t(at.first), at.count()), progress);
+      }};
+  std::vector<std::string> all = all_chunks(std::move(stage), &part, progress);
+  Truth truth = chunks.none();
+  for (std::size_t chunk = 0; chunk < all.size(); ++chunk) {
+    const std::string bytes = std::move(all[chunk]);  // freed here: not all is there twice
+    chunks.append(bytes, steps_of_chunk(chunk, std::int64_t(poses.size())).count(), truth);
   }
   return truth;
 }

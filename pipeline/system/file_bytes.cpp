@@ -211,12 +211,8 @@ MadeFolders::~MadeFolders() {
 }
 
 NewFile::NewFile(int folder, const std::string& name, mode_t mode) : folder_(folder), name_(name) {
-  std::random_device random;
   do {
-    const unsigned own = random();
-    unsigned char bytes[kOwn / 2];
-    for (std::size_t i = 0; i < sizeof bytes; ++i) bytes[i] = static_cast<unsigned char>(own >> (8 * i));
-    temporary_ = "." + name + "." + hex(bytes) + std::string(kEnd);
+    temporary_ = new_file_name(name);
     file_ = Descriptor(openat(folder, temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode));
   } while (!file_ && errno == EEXIST);
   if (!file_) throw FileFailure("cannot be written", errno);
@@ -255,7 +251,11 @@ void NewFile::place(bool replace) {
     renamed = linkat(folder_, temporary_.c_str(), folder_, name_.c_str(), 0);
     if (renamed == 0) unlinkat(folder_, temporary_.c_str(), 0);
   }
-  if (renamed != 0) throw FileFailure("cannot be written", errno);
+  if (const int error = errno; renamed != 0) {
+    // An answer of NFS that was lost is asked for again, and the file is in its own way then.
+    if (error != EEXIST || !is_at(folder_, name_, file_.number())) throw FileFailure("cannot be written", error);
+    unlinkat(folder_, temporary_.c_str(), 0);
+  }
   placed_ = true;
   if (!is_at(folder_, name_, file_.number())) throw moved();
   sync_folder(folder_);
@@ -265,6 +265,13 @@ void put_file(int folder, const std::string& name, std::initializer_list<std::st
   NewFile file(folder, name);
   file.write(pieces);
   file.place(true);
+}
+
+std::string new_file_name(const std::string& name) {
+  const unsigned own = std::random_device()();
+  unsigned char bytes[kOwn / 2];
+  for (std::size_t i = 0; i < sizeof bytes; ++i) bytes[i] = static_cast<unsigned char>(own >> (8 * i));
+  return "." + name + "." + hex(bytes) + std::string(kEnd);
 }
 
 std::optional<std::string> new_file_of(std::string_view entry) {

@@ -134,6 +134,9 @@ class NewFile {
 /// A file of `folder` in one call.
 void put_file(int folder, const std::string& name, std::initializer_list<std::string_view> pieces);
 
+/// A name of one's own for a file of that name in the making: ".NAME.1f0c66d2.new".
+std::string new_file_name(const std::string& name);
+
 /// NAME when `entry` is the name of a NewFile for it. One that nobody can be writing is what a kill left behind.
 std::optional<std::string> new_file_of(std::string_view entry);
 

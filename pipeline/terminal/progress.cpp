@@ -74,6 +74,13 @@ void Progress::add(std::uint64_t items, bool fresh) {
   if (shown_.bar ? now - drawn_ > std::chrono::milliseconds(100) : now - last_line >= shown_.every) draw(now, false);
 }
 
+void Progress::say(const std::string& line) {
+  if (!shown_.to) return;
+  const std::lock_guard lock(mutex_);
+  std::fprintf(shown_.to, shown_.bar ? "\r\033[K%s\n" : "%s\n", line.c_str());
+  std::fflush(shown_.to);
+}
+
 std::string Progress::left_text(Clock::time_point now) const {
   const std::optional<double> left = forecast_->left();
   if (!left) return "";

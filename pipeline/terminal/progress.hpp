@@ -47,6 +47,9 @@ class Progress {
   /// Shows how far it is without anything more being done: for items that take long.
   void tick() { add(0, false); }
 
+  /// A line of its own: what it waits for.
+  void say(const std::string& line);
+
  private:
   using Clock = std::chrono::steady_clock;
   void draw(Clock::time_point now, bool last);

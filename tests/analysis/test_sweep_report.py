@@ -81,6 +81,24 @@ def test_who_errs_less_than_whom():
     assert sweeps.order(equal, "error")[0].to_numpy().sum() == 0 and sweeps.undecided(equal, "error") == ([], 1)
 
 
+def test_who_is_quicker_is_told_by_the_same_steps(monkeypatch):
+    """`twin` has a smaller mean by 0.1 % than `one`, of steps whose times differ by ten times as much at random; the
+    slow one is slower at every step."""
+    draws = np.random.default_rng(1)
+    one = 1e5 * draws.uniform(1, 30, 600)
+    twin = one * draws.normal(1, 0.01, 600)
+    twin *= 0.999 * one.sum() / twin.sum()
+    times = {"one": one, "twin": twin, "slow": 1.05 * one}
+    monkeypatch.setattr(sweeps, "_times", lambda folder, name: (times, None))
+    rows = [row(label, 0.5, values.mean() / 1e3) for label, values in times.items()]
+    below, both = sweeps.order(frame(point({"seed": 1}, rows)), "time_mean_ns")
+    assert below.loc["twin", "one"] == below.loc["one", "twin"] == 0 and both.loc["one", "twin"] == 1
+    assert below.loc["one", "slow"] == 1 and below.loc["slow", "one"] == 0
+    monkeypatch.setattr(sweeps, "_times", lambda folder, name: ({}, None))  # a file that is gone: by the means
+    below, _ = sweeps.order(frame(point({"seed": 1}, rows)), "time_mean_ns")
+    assert below.loc["twin", "one"] == 1
+
+
 def test_the_spread_over_seeds():
     spread = sweeps.spread(sweeps.answers(frame(*FOUR)), "error", ["n", "label"]).set_index(["n", "label"])
     assert tuple(spread.loc[(1, "sure")]) == pytest.approx((0.2, np.sqrt(0.02), 0.1, 0.3, 2))

@@ -346,6 +346,56 @@ def test_times_of_another_machine_are_not_drawn_and_that_is_said():
     assert "rotated_aabb" in words(step_figures.hits_per_step(run, "box", "k"))
 
 
+# C++ beside JavaScript: 4 ms over 1 ms and 9 ms over 3 ms at every step, 4 and 3 times with an interval of no width.
+
+
+def in_both_languages(steps=250, **pairs):
+    time = {"bounding_sphere": 1e6, "obb_sat": 3e6, "js_bounding_sphere": 4e6, "js_obb_sat": 9e6}
+    run = made({label: np.full(steps, ns) for label, ns in time.items()}, kind="falling")
+    for name in ("bounding_sphere", "obb_sat"):
+        run.meta["answers"][f"js_{name}"] |= {"name": name, "thesis_key": "", "transport": "program",
+                                              "language": "JavaScript, node 18"}
+    said = {label: [(0, 0, 1), (3, 1, 2)] for label in time} | pairs
+    run.pairs = lambda label: pd.DataFrame(said[label], columns=["step", "a", "b"])
+    return run
+
+
+def test_both_languages_stand_beside_the_thesis_s_times():
+    figure = thesis_tables.languages_figure(in_both_languages(), "falling", "k")
+    assert list(figure.table.index) == ["obb_sat", "bounding_sphere"]
+    row = figure.table.loc["bounding_sphere"]
+    assert (row.key, row["C++ ms"], row["JavaScript ms"], row["thesis ms"]) == ("H", 1, 4, 7.2476)
+    assert (row["JS / C++"], row.low, row.high, row["same answers"]) == pytest.approx((4, 4, 4, 1))
+    assert "takes 3 (obb_sat) to 4 times (bounding_sphere) as long as C++" in figure.title
+    assert figure.title.endswith("both answer alike on every pair") and "table 5.2" in figure.caption
+    assert "4× (4 to 4)" in words(figure)
+
+
+def test_answers_that_differ_between_languages_are_told():
+    run = in_both_languages(js_obb_sat=[(0, 0, 1), (3, 0, 2), (3, 1, 2)])
+    figure = thesis_tables.languages_figure(run, "falling", "k")
+    assert figure.table["same answers"].to_dict() == pytest.approx({"obb_sat": 2 / 3, "bounding_sphere": 1})
+    assert figure.title.endswith("at least 66.67 % of the answers are the same")
+
+
+def test_few_steps_have_a_ratio_of_languages_without_interval():
+    table = thesis_tables.languages_table(in_both_languages(steps=20), "playground")
+    assert table["JS / C++"].to_dict() == {"obb_sat": 3, "bounding_sphere": 4}
+    assert table[["low", "high", "thesis ms"]].isna().all(axis=None)
+
+
+def test_only_the_same_procedure_on_the_same_machine_is_compared_between_languages():
+    run = in_both_languages()
+    run.meta["answers"]["js_obb_sat"]["host"] = "elsewhere"
+    assert thesis_tables.in_javascript(run) == [("bounding_sphere", "js_bounding_sphere")]
+    fast = indexed(js=[9000, 9000])
+    fast.meta["answers"]["js"] |= {"name": "facet_distance", "thesis_key": "", "transport": "program",
+                                   "language": "JavaScript, node 18"}
+    assert thesis_tables.in_javascript(fast) == []
+    with pytest.raises(NotDrawn, match="none of the thesis's nine in both languages"):
+        thesis_tables.languages_table(fast, "box")
+
+
 # Collision and physics.
 
 

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from docs import PAGES, PLACE, fresh, rows_of
+from docs import PAGES, PLACE, fresh, own_rows
 from program import ROOT, skip_without
 
 EVERY = ["README.md", ".github/CONTRIBUTING.md", *sorted(str(page.relative_to(ROOT)) for page in ROOT.glob("*/*.md"))]
@@ -12,7 +12,7 @@ EVERY = ["README.md", ".github/CONTRIBUTING.md", *sorted(str(page.relative_to(RO
 @pytest.mark.parametrize("page", PAGES)
 def test_tables_are_the_program_s_own(page):
     if page.startswith("algorithms"):
-        for row in rows_of("algorithms"):
+        for row in own_rows():
             skip_without(row["name"])
     text = (ROOT / page).read_text(encoding="utf-8")
     assert PLACE.search(text), "no table stands in it"

@@ -563,7 +563,7 @@ def test_what_a_program_started_ends_with_it(tmp_path):
 
 
 def conversation():
-    """Frames of algorithms/program/conversation.txt: (direction, kind, content)."""
+    """Frames of algorithms/program/conversation.txt, in order: (direction, kind, content)."""
     frames = []
     for line in (ADAPTERS / "conversation.txt").read_text().splitlines():
         line = line.split("#")[0]
@@ -573,8 +573,10 @@ def conversation():
             frames[-1][1] += line[1:]
     frames = [(way, bytes.fromhex(text)) for way, text in frames]
     for _, data in frames:
-        assert struct.unpack("<I", data[4:8])[0] == len(data) - 8
-    return [(way, data[:4].decode(), data[8:]) for way, data in frames]
+        assert struct.unpack("<I", data[8:12])[0] == len(data) - 12
+    numbers = [struct.unpack("<I", data[4:8])[0] for _, data in frames]
+    assert numbers == [i // 2 for i in range(len(frames))], "each answer has the number of its question"
+    return [(way, data[:4].decode(), data[12:]) for way, data in frames]
 
 
 @pytest.mark.parametrize("program", ["conversation.py", "conversation.mjs"])
@@ -584,14 +586,14 @@ def test_adapters_hold_the_recorded_conversation(program):
         pytest.skip("no node here")
     command = [PYTHON if program.endswith("py") else "node", ROOT / "tests" / "support" / program]
     child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-    for way, kind, content in conversation():
+    for i, (way, kind, content) in enumerate(conversation()):
         if way == ">":
-            child.stdin.write(kind.encode() + struct.pack("<I", len(content)) + content)
+            child.stdin.write(kind.encode() + struct.pack("<II", i // 2, len(content)) + content)
             child.stdin.flush()
             continue
-        head = child.stdout.read(8)
-        assert head[:4].decode() == kind
-        said = child.stdout.read(struct.unpack("<I", head[4:])[0])
+        said_kind, number, length = struct.unpack("<4sII", child.stdout.read(12))
+        assert (said_kind.decode(), number) == (kind, i // 2)
+        said = child.stdout.read(length)
         if kind == "HELO":
             said, content = json.loads(said), json.loads(content)
             for hello in (said, content):

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <chrono>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -114,6 +115,132 @@ TEST(Checkpoint, TakesNoDamagedChunk) {
     EXPECT_FALSE(part.load("truth-0000100")) << "size " << size;
   }
   EXPECT_TRUE(part.load("truth-0000000"));
+}
+
+// ---- Workers
+
+TEST(Checkpoint, IsJoinedByWorkersBesideTheRun) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  Checkpoint run(path, kKey, "title", 100, false);
+  run.save("motion-0000000", "1");
+  run.describe("steps = 100\n", "/somewhere/x.toml");
+  const Checkpoint worker(path);
+  EXPECT_EQ(worker.load("motion-0000000"), "1");
+  EXPECT_EQ(worker.steps(), 100);
+  ASSERT_TRUE(worker.description());
+  EXPECT_EQ(worker.description()->configuration, "steps = 100\n");
+  EXPECT_EQ(worker.description()->from, "/somewhere/x.toml");
+  EXPECT_FALSE(worker.moved());
+  run.mark_moved();
+  EXPECT_TRUE(worker.moved());
+  EXPECT_EQ(worker.state(), Checkpoint::State::open);
+
+  auto mine = worker.claim("truth-0000000");
+  ASSERT_TRUE(mine);
+  EXPECT_FALSE(run.claim("truth-0000000"));
+  EXPECT_TRUE(run.claimed("truth-0000000"));
+  EXPECT_EQ(checkpoint_status(path).held.size(), 1u);
+  worker.save("truth-0000000", "2");
+  mine.reset();
+  EXPECT_EQ(run.load("truth-0000000"), "2");
+  EXPECT_TRUE(checkpoint_status(path).held.empty());
+
+  run.mark_complete();
+  EXPECT_EQ(worker.state(), Checkpoint::State::complete);
+  run.remove();
+  EXPECT_EQ(worker.state(), Checkpoint::State::complete);
+  EXPECT_FALSE(fs::exists(path));
+}
+
+// The stopped worker's chunk, made again by another meanwhile, is dropped; a damaged one is replaced.
+TEST(Checkpoint, KeepsTheFirstWholeChunk) {
+  const TemporaryFolder folder;
+  Checkpoint part(folder / "p", kKey, "title", 100, false);
+  part.save("truth-0000000", "first");
+  part.save("truth-0000000", "second");
+  EXPECT_EQ(part.load("truth-0000000"), "first");
+  overwrite(folder / "p/truth-0000000", 3, '!');
+  part.save("truth-0000000", "third");
+  EXPECT_EQ(part.load("truth-0000000"), "third");
+}
+
+TEST(Checkpoint, WorkersOfAnotherRunAreTold) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  const CheckpointKey other{.config_sha256 = "c2", .program_sha256 = "p1"};
+  { Checkpoint(path, kKey, "title", 100, false).save("motion-0000000", "1"); }
+  const Checkpoint worker(path);
+  EXPECT_NO_THROW(worker.require(kKey, "x.toml"));
+  CheckpointKey elsewhere = kKey;
+  elsewhere.machine_sha256 = "m2";
+  EXPECT_NO_THROW(worker.require(elsewhere, "x.toml")) << "truth and answers depend on no machine";
+  for (const auto& [key, what] : std::vector<std::pair<CheckpointKey, std::string>>{
+           {other, "another configuration than x.toml"},
+           {{.config_sha256 = "c1", .program_sha256 = "p2"}, "another build"},
+           {{.config_sha256 = "c1", .program_sha256 = "p1", .inputs_sha256 = "i"}, "other input files"}}) {
+    try {
+      worker.require(key, "x.toml");
+      ADD_FAILURE() << what;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), kFile);
+      EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+    }
+  }
+  Checkpoint forced(path, other, "title", 100, true);
+  EXPECT_EQ(worker.state(), Checkpoint::State::another);
+  worker.save("truth-0000000", "theirs");  // too late: it has their seal
+  EXPECT_FALSE(forced.load("truth-0000000"));
+}
+
+// The motion alone depends on the machine: once it is made, any may go on.
+TEST(Checkpoint, IsResumedOnAnotherMachineOnceTheMotionIsMade) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  CheckpointKey elsewhere = kKey;
+  elsewhere.machine_sha256 = "m2";
+  { Checkpoint(path, kKey, "title", 100, false).save("motion-0000000", "1"); }
+  EXPECT_NE(refusal(path, elsewhere).find("another build or machine"), std::string::npos);
+  { Checkpoint(path, kKey, "title", 100, false).mark_moved(); }
+  Checkpoint there(path, elsewhere, "title", 100, false);
+  EXPECT_TRUE(there.resumed());
+  EXPECT_EQ(there.load("motion-0000000"), "1") << "by the seal that it was made with";
+  there.save("truth-0000000", "2");
+  there.mark_complete();
+  EXPECT_TRUE(checkpoint_status(path).moved);
+}
+
+// A run that begins leaves alone what workers are writing, and clears away what the dead left.
+TEST(Checkpoint, SweepsClaimsOfTheDeadOnly) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  { Checkpoint(path, kKey, "title", 100, false).save("motion-0000000", "1"); }
+  const Checkpoint worker(path);
+  const auto mine = worker.claim("truth-0000000");
+  for (const char* name : {".truth-0000000.01234567.new", ".truth-0000050.01234567.new",
+                           ".answers-0000000.claim.01234567.new", "answers-0000050.claim"})
+    std::ofstream(path / name) << R"({"host":"elsewhere","lease_s":1})";
+  fs::last_write_time(path / "answers-0000050.claim", fs::file_time_type::clock::now() - std::chrono::seconds(10));
+  const Checkpoint run(path, kKey, "title", 100, false);
+  EXPECT_EQ(names_in(path), (std::set<std::string>{"lock", "manifest.json", "motion-0000000", "truth-0000000.claim",
+                                                   ".truth-0000000.01234567.new"}));
+}
+
+// A run that fails before it has anything takes away its folder, but not what workers have put there meanwhile.
+TEST(Checkpoint, LeavesWhatWorkersMade) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "p";
+  {
+    Checkpoint run(path, kKey, "title", 100, false);
+    run.describe("", "x.toml");
+  }
+  EXPECT_FALSE(fs::exists(path));
+  {
+    Checkpoint run(path, kKey, "title", 100, false);
+    run.describe("", "x.toml");
+    Checkpoint(path).save("truth-0000000", "1");
+  }
+  EXPECT_TRUE(fs::exists(path / "truth-0000000"));
 }
 
 // A chunk is of its run: one of another configuration is never taken even where one is found.

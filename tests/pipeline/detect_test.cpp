@@ -2,8 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <span>
+
 #include "geometry/meshes/shapes.hpp"
 #include "pipeline/config.hpp"
+#include "pipeline/result/products/machines.hpp"
+#include "pipeline/stages/chunks.hpp"
+#include "pipeline/stages/summary.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/system/heap.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -133,7 +140,7 @@ TEST(Detect, TimesTheFirstOnceMoreForTheNoise) {
   const auto again = ask();  // from the chunks
   EXPECT_EQ(again[2].time_ns, first[2].time_ns);
   EXPECT_EQ(again[0].costs.setup_ns, first[0].costs.setup_ns);
-  EXPECT_EQ(again[1].costs.memory_greatest_bytes, first[1].costs.memory_greatest_bytes);
+  if (counts_heap()) EXPECT_EQ(again[1].costs.memory_greatest_bytes, first[1].costs.memory_greatest_bytes);
 }
 
 TEST(Truth, FindsGapsOnlyWhereAsked) {
@@ -221,6 +228,85 @@ TEST(Detect, TakesChunksFromThePartAndGoesOnAfterThem) {
     EXPECT_EQ(again[a].time_ns[0], first[a].time_ns[0]);
     EXPECT_EQ(again[a].time_ns[119], first[a].time_ns[119]);
   }
+}
+
+// Workers take chunks in any order, and what one remembers is not what another does.
+TEST(Detect, GivesTheSameInAnyOrderOfChunks) {
+  const Row row(120);
+  const Truth truth = row.truth();
+  const auto algorithms = choices({"exact", "obb_sat", "bounding_sphere"});
+  const std::vector<Answers> whole = detected(row, truth, algorithms);
+  std::vector<std::size_t> order = {0, 1, 2};
+  Progress quiet("detect", 0, true);
+  do {
+    Detector one(row.bodies, algorithms, 1, false), other(row.bodies, algorithms, 1, false);
+    std::vector<std::string> chunks(3);
+    for (const std::size_t chunk : order) {
+      const auto [first, last] = steps_of_chunk(chunk, 120);
+      Detector& worker = chunk == order[1] ? other : one;
+      chunks[chunk] = worker.make(first, std::span(row.poses).subspan(std::size_t(first), std::size_t(last - first)),
+                                  truth.some(std::size_t(first), std::size_t(last)),
+                                  {.host = chunk == order[1] ? "b" : "a"}, nullptr, quiet);
+    }
+    std::vector<Answers> all = one.none();
+    for (std::size_t chunk = 0; chunk < 3; ++chunk) one.append(chunks[chunk], steps_of_chunk(chunk, 120).count(), all);
+    for (std::size_t a = 0; a < algorithms.size(); ++a) {
+      EXPECT_EQ(all[a].hits.pair, whole[a].hits.pair);
+      EXPECT_EQ(all[a].hits.offset, whole[a].hits.offset);
+      EXPECT_EQ(all[a].operations, whole[a].operations);
+      EXPECT_EQ(all[a].time_ns.size(), 120u);
+      ASSERT_EQ(all[a].timed_on.size(), 3u);
+      for (std::size_t chunk = 0; chunk < 3; ++chunk)
+        EXPECT_EQ(all[a].timed_on[chunk].host, chunk == order[1] ? "b" : "a");
+    }
+  } while (std::ranges::next_permutation(order).found);
+}
+
+TEST(Truth, IsTheSameInAnyOrderOfChunks) {
+  const Row row(120);
+  const Truth whole = row.truth();
+  TruthChunks chunks(row.bodies, {});
+  Progress quiet("truth", 0, true);
+  std::vector<std::string> bytes(3);
+  for (const std::size_t chunk : {2u, 0u, 1u}) {
+    const ChunkSteps at = steps_of_chunk(chunk, 120);
+    bytes[chunk] = chunks.make(std::span(row.poses).subspan(std::size_t(at.first), at.count()), quiet);
+  }
+  Truth truth = chunks.none();
+  for (std::size_t chunk = 0; chunk < 3; ++chunk)
+    chunks.append(bytes[chunk], steps_of_chunk(chunk, 120).count(), truth);
+  EXPECT_EQ(truth.hits.pair, whole.hits.pair);
+  EXPECT_EQ(truth.hits.offset, whole.hits.offset);
+  EXPECT_TRUE(truth.decided_on.empty()) << "one machine decided all";
+}
+
+// Times of two processors are no times of one: the label keeps those of its steps and has none of the run.
+TEST(Detect, HasNoTimeOfTheRunOnUnlikeProcessors) {
+  const Row row(120);
+  const Truth truth = row.truth();
+  std::vector<Answers> all = detected(row, truth, choices({"aabb", "obb_sat"}));
+  all[1].machine = {.host = "n1", .processor = "slow"};
+  all[1].timed_on = {all[1].machine, {.host = "n2", .processor = "quick"}, {.host = "n3", .processor = "slow"}};
+  EXPECT_FALSE(timed_on_unlike(all[0]));
+  EXPECT_TRUE(timed_on_unlike(all[1]));
+  EXPECT_GT(summarise(all[0], 360).time_mean_ns, 0);
+  const Summary row_of_two = summarise(all[1], 360);
+  for (const double time : {row_of_two.time_mean_ns, row_of_two.time_median_ns, row_of_two.time_p95_ns,
+                            *row_of_two.time_mean_low_ns, *row_of_two.processor_mean_ns})
+    EXPECT_TRUE(std::isnan(time));
+  const auto times = times_by_processor(all[1]);
+  ASSERT_EQ(times.size(), 2u);
+  EXPECT_EQ(times[0].processor, "slow");
+  EXPECT_EQ(times[0].steps, 70u);
+  EXPECT_EQ(times[0].hosts, (std::vector<std::string>{"n1", "n3"}));
+  EXPECT_EQ(times[1].steps, 50u);
+  double sum = 0;
+  for (std::size_t step = 50; step < 100; ++step) sum += double(all[1].time_ns[step]);
+  EXPECT_DOUBLE_EQ(times[1].mean_ns, sum / 50);
+  // The same processor in two machines is one.
+  all[1].timed_on[1].processor = "slow";
+  EXPECT_FALSE(timed_on_unlike(all[1]));
+  EXPECT_GT(summarise(all[1], 360).time_mean_ns, 0);
 }
 
 TEST(Detect, MemoriesAreEmptyAtEveryChunkAndOnlyThere) {

@@ -36,17 +36,28 @@ std::string fault_of(Act act) {
 std::string little(std::uint32_t value) { return {reinterpret_cast<const char*>(&value), sizeof value}; }
 std::string little(double value) { return {reinterpret_cast<const char*>(&value), sizeof value}; }
 
-TEST(Frames, AreAKindALengthAndAContent) { EXPECT_EQ(frame("DONE", "abc"), std::string("DONE\x03\0\0\0abc", 11)); }
+TEST(Frames, AreAKindANumberALengthAndAContent) {
+  EXPECT_EQ(frame("DONE", 0x102, "abc"), std::string("DONE\x02\x01\0\0\x03\0\0\0abc", 15));
+}
 
 TEST(Frames, ComeWholeOrNotYet) {
-  const std::string bytes = frame("HITS", "0123456789") + "next";
-  for (std::size_t size = 0; size < 18; ++size)
-    EXPECT_FALSE(first_frame(bytes.substr(0, size), {"HITS", 10})) << size << " bytes are no whole frame";
-  const auto found = first_frame(bytes, {"HITS", 10});
+  const std::string bytes = frame("HITS", 7, "0123456789") + "next";
+  for (std::size_t size = 0; size < 22; ++size)
+    EXPECT_FALSE(first_frame(bytes.substr(0, size), {"HITS", 10, 7})) << size << " bytes are no whole frame";
+  const auto found = first_frame(bytes, {"HITS", 10, 7});
   ASSERT_TRUE(found);
   EXPECT_EQ(found->kind, "HITS");
   EXPECT_EQ(found->content, "0123456789");
-  EXPECT_EQ(first_frame(frame("FAIL", "why"), {"HITS", 10})->content, "why") << "FAIL may come instead of any";
+  EXPECT_EQ(first_frame(frame("FAIL", 0, "why"), {"HITS", 10})->content, "why") << "FAIL may come instead of any";
+}
+
+// A program that answers twice: the second answer comes before, with or after the next question, and is known by
+// itself.
+TEST(Frames, AnAnswerToAnotherQuestionIsKnown) {
+  EXPECT_EQ(fault_of([] {
+              first_frame(frame("HITS", 4, ""), {"HITS", 99, 5});
+            }),
+            "it sent more than it was asked for: a frame HITS that answers question 4 where 5 was asked");
 }
 
 // A banner on stdout is the most usual mistake of a new program: known at its first letter, and shown.
@@ -58,16 +69,16 @@ TEST(Frames, NoiseIsKnownAtOnce) {
             "print on stderr");
   EXPECT_NE(fault_of([] { first_frame("\n", {"HITS", 99}); }), "no fault");
   EXPECT_NE(fault_of([] { first_frame("HI!", {"HITS", 99}); }), "no fault");
-  EXPECT_NE(fault_of([] { first_frame(frame("DONE", ""), {"HITS", 99}); }), "no fault") << "a right frame, not now";
+  EXPECT_NE(fault_of([] { first_frame(frame("DONE", 0, ""), {"HITS", 99}); }), "no fault") << "a right frame, not now";
   EXPECT_NE(fault_of([] { first_frame(std::string(4, '\0'), {"HITS", 99}); }), "no fault");
 }
 
 TEST(Frames, FourGibibytesAreRefusedByTheirHead) {
   EXPECT_EQ(fault_of([] {
-              first_frame("HITS\xff\xff\xff\xff", {"HITS", 24});
+              first_frame(std::string("HITS\0\0\0\0\xff\xff\xff\xff", 12), {"HITS", 24});
             }),
             "its frame HITS says that it has 4294967295 bytes; at most 24 are possible here");
-  EXPECT_NE(fault_of([] { first_frame("FAIL\xff\xff\xff\xff", {"HITS", 24}); }), "no fault");
+  EXPECT_NE(fault_of([] { first_frame(std::string("FAIL\0\0\0\0\xff\xff\xff\xff", 12), {"HITS", 24}); }), "no fault");
 }
 
 TEST(Frames, AQuestionHasTheWrittenLayout) {
@@ -171,7 +182,7 @@ TEST(Frames, AnyBytesGiveAValueOrAFault) {
     try {
       const std::string all = "HITS" + bytes;
       if (const auto found = first_frame(all, {"HITS", 60})) {
-        EXPECT_EQ(frame(found->kind, found->content), all.substr(0, 8 + found->content.size()));
+        EXPECT_EQ(frame(found->kind, 0, found->content), all.substr(0, kFrameHead + found->content.size()));
         const Reply reply = reply_in(found->content);
         EXPECT_EQ(content_of(reply), found->content);
       }
@@ -197,6 +208,8 @@ TEST(Hello, SaysAllAndIsReadBack) {
   About about{.name = "mine",
               .version = "1.2",
               .language = "C++",
+              .tests = "hulls",
+              .licence = "MIT",
               .precision = "single",
               .promise = algorithms::Promise::conservative,
               .scope = algorithms::Scope::scene,
@@ -209,6 +222,8 @@ TEST(Hello, SaysAllAndIsReadBack) {
   EXPECT_EQ(back.name, "mine");
   EXPECT_EQ(back.version, "1.2");
   EXPECT_EQ(back.language, "C++");
+  EXPECT_EQ(back.tests, "hulls");
+  EXPECT_EQ(back.licence, "MIT");
   EXPECT_EQ(back.precision, "single");
   EXPECT_EQ(back.promise, algorithms::Promise::conservative);
   EXPECT_EQ(back.scope, algorithms::Scope::scene);
@@ -221,7 +236,7 @@ TEST(Hello, SaysAllAndIsReadBack) {
   const About least = about_in(R"({"protocol": 1, "name": "m"})");
   EXPECT_EQ(least.promise, algorithms::Promise::none);
   EXPECT_EQ(least.memory_bytes, -1);
-  EXPECT_EQ(least.operations_unit, "");
+  EXPECT_EQ(least.operations_unit + least.tests + least.licence, "");
 }
 
 TEST(Hello, IsRefusedWithItsKeyAndRule) {
@@ -286,15 +301,15 @@ TEST(Conversation, IsWhatThePipelineSendsAndUnderstands) {
   ASSERT_EQ(said.size(), 16u);
   std::vector<std::string> down, up;
   for (const Said& one : said) (one.way == '>' ? down : up).push_back(one.bytes);
-  EXPECT_EQ(down, (std::vector<std::string>{frame("HELO", hello_text("near", bodies, "{\"reach\":2.0}")),
-                                            frame("STEP", content_of(0, 0, before, first)),
-                                            frame("OPER", content_of(0, 0, before, first)), frame("KEEP", ""),
-                                            frame("STEP", content_of(1, 0, after, second)),
-                                            frame("STEP", content_of(1, 0x1p-40, after, missed)), frame("WIPE", ""),
-                                            frame("STEP", content_of(9, 0, after, second))}));
+  EXPECT_EQ(down, (std::vector<std::string>{frame("HELO", 0, hello_text("near", bodies, "{\"reach\":2.0}")),
+                                            frame("STEP", 1, content_of(0, 0, before, first)),
+                                            frame("OPER", 2, content_of(0, 0, before, first)), frame("KEEP", 3, ""),
+                                            frame("STEP", 4, content_of(1, 0, after, second)),
+                                            frame("STEP", 5, content_of(1, 0x1p-40, after, missed)),
+                                            frame("WIPE", 6, ""), frame("STEP", 7, content_of(9, 0, after, second))}));
 
   const auto content = [&](std::size_t i, const char* kind) {
-    const auto found = first_frame(up[i], {kind, 1000});
+    const auto found = first_frame(up[i], {kind, 1000, static_cast<std::uint32_t>(i)});
     EXPECT_TRUE(found && found->content.size() + kFrameHead == up[i].size()) << i;
     return std::string(found ? found->content : "");
   };
@@ -311,7 +326,7 @@ TEST(Conversation, IsWhatThePipelineSendsAndUnderstands) {
   EXPECT_EQ(reply_in(content(4, "HITS")).hits, (std::vector<Pair>{{0, 1}, {1, 2}}));
   EXPECT_TRUE(reply_in(content(5, "HITS")).hits.empty());
   EXPECT_EQ(content(6, "DONE"), "");
-  EXPECT_EQ(first_frame(up[7], {"HITS", 24})->kind, "FAIL");
+  EXPECT_EQ(first_frame(up[7], {"HITS", 24, 7})->kind, "FAIL");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "pipeline/config.hpp"
@@ -121,6 +122,53 @@ TEST_F(Replay, BodiesOfOneFileOrShapeShareAMesh) {
   EXPECT_EQ(scene.bodies.mesh, (std::vector<std::uint32_t>{0, 0, 1, 1}));
   EXPECT_EQ(scene.bodies.meshes[1].name, "wall");
   EXPECT_EQ(scene.script[1][1].q.x, 1);
+}
+
+TEST_F(Replay, ABodyMayHaveAFileOfItsOwn) {
+  write("late.txt", "# time tx ty tz qx qy qz qw\n10 0 5 0 0 0 0 1\n10.1 1 5 0 0 0 0 1\n10.2 2 5 0 0 0 0 1\n");
+  std::string late = kHero;
+  late.replace(late.find("hero"), 4, "late");
+  const Config c = config(kScene + kHero + late + "poses = \"late.txt\"\n");
+  const Scene scene = make_scene(c);
+  ASSERT_EQ(scene.script.size(), 3u);
+  EXPECT_EQ(scene.script[2][0].t, Vec3(2, 0, 0));
+  EXPECT_EQ(scene.script[2][1].t, Vec3(2, 5, 0));
+  EXPECT_NEAR(c.rate, 10, 1e-12);
+  ASSERT_EQ(c.understood.size(), 2u);
+  EXPECT_NE(c.understood[0].find("late.txt: time in s, position in m (tx, ty, tz)"), std::string::npos);
+  EXPECT_EQ(c.inputs.count("late.txt"), 1u);
+  EXPECT_EQ(parse_config(c.effective, "x").effective, c.effective);
+  // No file for all is needed where every moving body has one.
+  const Config own = config("rate = 25\n[scene]\nkind = \"replay\"\n" + late + "poses = \"late.txt\"\n" + kWall);
+  EXPECT_EQ(own.steps, 3);
+  EXPECT_EQ(own.rate, 25);
+  EXPECT_EQ(error_of("[scene]\nkind = \"replay\"\n" + kHero + late + "poses = \"late.txt\"\n")
+                .find("c.toml:1:1: missing key 'scene.poses'"),
+            0u);
+  EXPECT_NE(error_of(kScene + kHero + kWall + "poses = \"late.txt\"\n")
+                .find("'scene.body.1.poses' must be given for moving bodies only"),
+            std::string::npos);
+  write("poses.csv", kPoses + "0,late,0,0,0,1,0,0,0\n");
+  EXPECT_NE(error_of(kScene + kHero + late + "poses = \"late.txt\"\n").find("steps do not go back"), std::string::npos);
+  write("poses.csv", kPoses + "3,hero,2,0,0,1,0,0,0\n");
+  EXPECT_NE(
+      error_of(kScene + kHero + late + "poses = \"late.txt\"\n").find("late.txt: has 3 steps, the poses before it 4"),
+      std::string::npos);
+}
+
+TEST_F(Replay, AnglesAndToleranceAreKeys) {
+  write("poses.csv", "step,body,px,py,pz,rx_deg,ry_deg,rz_deg\n0,hero,0,0,0,0,0,90\n");
+  const Config c = config(kScene + "euler = \"ZYX\"\n" + kHero);
+  EXPECT_NEAR(make_scene(c).script[0][0].q.z, std::sqrt(0.5), 1e-15);
+  EXPECT_NE(c.effective.find("euler = \"ZYX\""), std::string::npos);
+  EXPECT_NE(
+      error_of(kScene + "euler = \"zyX\"\n" + kHero).find("c.toml:4:9: 'scene.euler' must be the order of three axes"),
+      std::string::npos);
+  write("poses.csv", "step,body,px,py,pz,qw,qx,qy,qz\n0,hero,0,0,0,1.0001,0,0,0\n");
+  EXPECT_NE(error_of(kScene + kHero).find("poses.csv:2: the quaternion must be of length 1 within 1e-6, not 1.0001"),
+            std::string::npos);
+  EXPECT_NE(config(kScene + "quaternion_tolerance = 1e-3\n" + kHero).effective.find("quaternion_tolerance = 0.001\n"),
+            std::string::npos);
 }
 
 // A result's own configuration is read when its files may be gone.

@@ -196,19 +196,26 @@ TEST(Neighbours, KeptOnesAreThoseOfEveryPair) {
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
+  // One after another, as arguments are evaluated in an order of the compiler's choice.
+  const auto within = [&](double low, double high) {
+    const double x = uniform(low, high), y = uniform(low, high), z = uniform(low, high);
+    return Vec3(x, y, z);
+  };
   std::vector<Sphere> spheres;
   std::vector<Box> boxes;
   std::vector<Kinematics> bodies(160);
   for (int i = 0; i < 160; ++i) {
-    bodies[i].position = Vec3(uniform(-4, 4), uniform(-4, 4), uniform(-4, 4));
+    bodies[i].position = within(-4, 4);
     bodies[i].orientation.setRotationFromAngleAboutX(uniform(0, 6));
     if (i % 40 == 0)
-      boxes.push_back({i, i % 80 == 0, Vec3(uniform(0.5, 2), uniform(0.5, 2), uniform(0.5, 2))});
+      boxes.push_back({i, i % 80 == 0, within(0.5, 2)});
     else
       spheres.push_back({i, i % 7 == 0, uniform(0.2, 1)});
     // Every third body has more of them, down to small ones.
-    for (int k = 0; i % 40 != 0 && i % 3 == 0 && k < 4; ++k)
-      spheres.push_back({i, i % 7 == 0, uniform(0.01, 0.3), Vec3(uniform(-1, 1), uniform(-1, 1), 0), false});
+    for (int k = 0; i % 40 != 0 && i % 3 == 0 && k < 4; ++k) {
+      const double radius = uniform(0.01, 0.3);
+      spheres.push_back({i, i % 7 == 0, radius, within(-1, 1), false});
+    }
   }
   const auto centre = [&](const Sphere& s) { return bodies[s.body].position + bodies[s.body].orientation * s.centre; };
   Neighbours neighbours(spheres, boxes);
@@ -219,7 +226,7 @@ TEST(Neighbours, KeptOnesAreThoseOfEveryPair) {
     const double length = step % 20 == 13 ? 3 : 0.03;
     for (const Sphere& s : spheres) {
       if (s.fixed) continue;
-      bodies[s.body].position += length * Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+      bodies[s.body].position += length * within(-1, 1);
       bodies[s.body].orientation.setRotationFromAngleAboutZ(uniform(0, step % 20 == 13 ? 6 : 0.05));
     }
     for (const Box& b : boxes)

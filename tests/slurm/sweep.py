@@ -1,4 +1,5 @@
-"""A sweep on a cluster of two nodes: six points, one is cancelled, one invalid, and a node goes down and comes back."""
+"""A sweep on a cluster of two nodes: six points, one is cancelled, one invalid, and a node goes down and comes back.
+Then one run that two workers share (shards.py)."""
 
 import csv
 import json
@@ -10,6 +11,7 @@ import tempfile
 import time
 
 from cluster import cluster, states, until
+from shards import shared
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PIPELINE = os.environ.get("PIPELINE", str(ROOT / "build" / "pipeline"))
@@ -29,14 +31,14 @@ STARTED = []
 POINTS, INVALID = [f"segments={n}" for n in (3, 4, 5, 6, 7, 0)], "segments=0"
 
 
-def sweep(folder, *options, environment=None):
+def sweep(folder, *options, what="six.toml", program="program", environment=None):
     command = [
         ROOT / "scripts" / "sweep",
-        folder.parent / "six.toml",
+        folder.parent / what,
         "-o",
         folder,
         "--program",
-        folder.parent / "program",
+        folder.parent / program,
         *options,
     ]
     with open(folder.parent / f"{folder.name}.err", "w") as err:
@@ -76,6 +78,7 @@ def check(scratch):
         say("the cluster of two nodes is up")
         try:
             digests = on_slurm(folder, gate, environment)
+            shared(scratch, environment, sweep, ended, ROOT, PIPELINE, say)
         finally:
             end_sweeps()  # while the cluster can still cancel what they started
 
@@ -153,7 +156,9 @@ if __name__ == "__main__":
         try:
             check(pathlib.Path(scratch))
         except AssertionError:  # the folder is about to go
-            for log in ("slurm/.sweep/snakemake.log", "cluster/slurmctld.log"):
+            for log in ("slurm/.sweep/snakemake.log", "shared/.sweep/snakemake.log", "cluster/slurmctld.log"):
+                if not (pathlib.Path(scratch) / log).exists():
+                    continue
                 print(f"--- {log}\n{(pathlib.Path(scratch) / log).read_text()}", file=sys.stderr)
             raise
         finally:

@@ -68,27 +68,28 @@ def wrong_hits(pairs, time_ns=0, prepare_ns=0, operations=0):
     return hits(pairs, time_ns, prepare_ns, operations)
 
 
-def wrong_send(to, kind, content=b""):
+def wrong_send(to, kind, number, content=b""):
     if not now or kind != b"HITS":
-        return send(to, kind, content)
+        return send(to, kind, number, content)
     if how == "noise":
         to.write(b"Babylon.js v6.49.0 - WebGL2\n")
     if how in ("half", "half_hang"):
-        to.write(b"HITS" + struct.pack("<I", len(content)) + content[:-1])
+        to.write(b"HITS" + struct.pack("<II", number, len(content)) + content[:-1])
         to.flush()
         if how == "half_hang":
             time.sleep(1000)
         os._exit(0)
     if how == "huge":
-        to.write(b"HITS\xff\xff\xff\xff" + bytes(1000))
+        to.write(b"HITS" + struct.pack("<II", number, 0xffffffff) + bytes(1000))
     if how == "close":
         os.close(to.fileno())
         time.sleep(1000)
     if how == "garbage":
         to.write(bytes(range(100)))
     if how == "again":
-        send(to, kind, content)
-    send(to, kind, content)
+        send(to, kind, number, content)
+        time.sleep(0.001)  # the second may come before, with and after the next question
+    send(to, kind, number, content)
 
 
 if how == "at_once":

@@ -119,6 +119,8 @@ ForeignFacts read_facts(const Reader& from, const std::string& path, std::uint64
   facts.version = text("version");
   facts.language = text("language");
   facts.precision = text("precision");
+  if (from.has_attribute(path, "tests")) facts.tests = text("tests");
+  if (from.has_attribute(path, "licence")) facts.licence = text("licence");
   facts.threads = from.attribute<std::int64_t>(path, "threads");
   facts.reason = text("reason");
   facts.steps_done = from.attribute<std::int64_t>(path, "steps_done");

@@ -180,10 +180,12 @@ using FileMeshes = std::map<std::string, geometry::Mesh>;
 
 FileMeshes read_meshes(SceneConfig& config) {
   FileMeshes out;
+  NodeFiles nodes;
   const FallingScene scene = config.keys<FallingScene>();
   for (const FallingBody* body : bodies_of(scene)) {
     if (body->shape || out.contains(body->mesh)) continue;
-    out.emplace(body->mesh, std::move(read_mesh(config, body->mesh, body->place, "mesh").mesh));
+    out.emplace(body->mesh,
+                std::move(read_mesh(config, {.file = body->mesh, .place = body->place}, "mesh", nodes).mesh));
   }
   return out;
 }

@@ -8,14 +8,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "geometry/decision/contain.hpp"
 #include "geometry/meshes/mesh_file.hpp"
+#include "geometry/meshes/nodes.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/scene/mesh_input.hpp"
 #include "pipeline/scene/poses_csv.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "pipeline/terminal/print.hpp"
 
 namespace pipeline {
 
@@ -24,6 +27,10 @@ namespace {
 /// What the files of a replayed scene hold.
 struct ReplayInputs {
   geometry::Bodies bodies;
+  std::vector<const ReplayBody*> of;                 // B, of the configuration; null: of a robot
+  std::vector<CsvMotion> robots;                     // with a track for each of the B bodies
+  std::vector<std::optional<geometry::Pose>> stays;  // B, of fixed bodies whose pose is not in the CSV
+  std::vector<BodyFacts> facts;
   CsvMotion csv;
   std::vector<std::vector<geometry::Pose>> poses;  // S x B, of an earlier result; else empty
   std::optional<double> rate;                      // of an earlier result
@@ -31,24 +38,56 @@ struct ReplayInputs {
   std::int64_t steps() const { return poses.empty() ? csv.steps : std::int64_t(poses.size()); }
 };
 
-constexpr double kNormTolerance = 1e-6;
 constexpr Range kAnyCoordinate{.least = -geometry::kGreatestCoordinate, .most = geometry::kGreatestCoordinate};
 
 // ---- Keys --------------------------------------------------------------------------------------------------------
 
-ReplayBody read_body(const Section& s) {
+void read_orientation(const Section& s, std::array<double, 4>& q, double tolerance) {
+  s.reals("orientation", q, kAnyCoordinate);
+  const double norm = geometry::norm({q[0], q[1], q[2], q[3]});
+  if (!(std::abs(norm - 1) <= tolerance))
+    s.refuse("orientation", "be a quaternion [w, x, y, z] of length 1 within " + real_text(tolerance),
+             "its length is " + real_text(norm));
+}
+
+void read_mesh_keys(const Section& s, ReplayBody& body) {
+  const bool nodes = geometry::is_node_file(body.mesh);
+  if (s.has("node")) {
+    if (body.parts) s.refuse("node", "be absent where 'parts' is");
+    body.node = s.text("node", "");
+    if (body.node.empty()) s.refuse("node", "name a node of the file");
+  }
+  for (const char* key : {"node", "parts"})
+    if (s.has(key) && !nodes) s.refuse(key, "be given for files of nodes only, such as .glb");
+  if (s.has("scale")) body.scale = s.real("scale", 1, {.least = 1e-9, .most = 1e9});
+  body.up = s.choice("up", "y", {"x", "y", "z"});
+  std::string lower = body.mesh;
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  if (!body.scale && (lower.ends_with(".3mf") || lower.ends_with(".fbx")))
+    s.refuse(
+        "mesh", "have a 'scale' beside it",
+        "such files have a unit of their own, which assimp does not apply: scale = 0.001 where it is a millimetre");
+}
+
+ReplayBody read_body(const Section& s, double tolerance) {
   ReplayBody body;
-  if (!s.has("name")) s.fail("missing key '" + s.full("name") + "', the name of the body");
+  body.parts = s.boolean("parts", false);
+  if (!s.has("name") && !body.parts) s.fail("missing key '" + s.full("name") + "', the name of the body");
   body.name = s.text("name", "");
-  if (!valid_label(body.name)) s.refuse("name", kLabelRule);
-  const std::vector<std::string> others{"name", "mesh", "fixed", "position", "orientation"};
+  if (s.has("name") && !valid_label(body.name)) s.refuse("name", kLabelRule);
+  const std::vector<std::string> others{"name", "mesh",  "node",  "parts",    "scale",
+                                        "up",   "fixed", "poses", "position", "orientation"};
   if (s.has("mesh")) {
     if (s.has("shape")) s.refuse("shape", "be absent where 'mesh' is given", "a body has one of them");
     s.only(others);
     body.mesh = s.text("mesh", "");
     if (body.mesh.empty()) s.refuse("mesh", "name a file");
     body.place = place_of(s, "mesh");
+    read_mesh_keys(s, body);
   } else {
+    for (const char* key : {"node", "parts", "scale", "up"})
+      if (s.has(key)) s.refuse(key, "be given beside 'mesh' only");
     if (!s.has("shape"))
       s.fail("missing key '" + s.full("mesh") + "', or 'shape' with its parameters; see `pipeline list shapes`");
     body.shape = read_shape(s, others);
@@ -58,71 +97,142 @@ ReplayBody read_body(const Section& s) {
   if (!body.fixed)
     for (const char* key : {"position", "orientation"})
       if (s.has(key)) s.refuse(key, "be given for fixed bodies only", "a moving body has its poses in the CSV");
+  if (s.has("poses")) {
+    if (body.parts) s.refuse("poses", "be absent where 'parts' is", "the rows of scene.poses name the parts");
+    if (body.fixed) s.refuse("poses", "be given for moving bodies only", "a fixed body has its position");
+    body.poses = s.text("poses", "");
+    if (body.poses.empty()) s.refuse("poses", "name a CSV file");
+    body.poses_place = place_of(s, "poses");
+  }
+  if (s.has("position") && body.parts)
+    s.refuse("position", "be absent where 'parts' is", "fixed parts stand where the file has them");
   if (s.has("position")) s.reals("position", body.position.emplace(), kAnyCoordinate);
   if (s.has("orientation")) {
     if (!body.position) s.fail("missing key '" + s.full("position") + "' beside 'orientation'");
-    auto& q = body.orientation;
-    s.reals("orientation", q, kAnyCoordinate);
-    const double norm = geometry::norm({q[0], q[1], q[2], q[3]});
-    if (!(std::abs(norm - 1) <= kNormTolerance))
-      s.refuse("orientation", "be a quaternion [w, x, y, z] of length 1 within 1e-6",
-               "its length is " + real_text(norm));
+    read_orientation(s, body.orientation, tolerance);
   }
   return body;
 }
 
+Robot read_robot(const Section& s, double tolerance) {
+  s.only({"name", "urdf", "joints", "position", "orientation"});
+  Robot robot;
+  robot.name = s.text("name", "");
+  if (s.has("name") && !valid_label(robot.name)) s.refuse("name", kLabelRule);
+  if (!s.has("urdf")) s.fail("missing key '" + s.full("urdf") + "', the file of the robot");
+  robot.urdf = s.text("urdf", "");
+  if (robot.urdf.empty()) s.refuse("urdf", "name a file");
+  robot.place = place_of(s, "urdf");
+  robot.joints = s.text("joints", "");
+  if (s.has("joints")) {
+    if (robot.joints.empty()) s.refuse("joints", "name a CSV file");
+    robot.joints_place = place_of(s, "joints");
+  }
+  s.reals("position", robot.position, kAnyCoordinate);
+  read_orientation(s, robot.orientation, tolerance);
+  return robot;
+}
+
+/// The order of angles, three different axes of one case.
+std::string read_euler(const Section& s) {
+  const std::string order = s.text("euler", "");
+  if (!s.has("euler")) return order;
+  std::string sorted = order;
+  std::ranges::sort(sorted);
+  if (sorted != "xyz" && sorted != "XYZ")
+    s.refuse("euler",
+             "be the order of three axes, such as \"xyz\" about fixed axes, x first, or \"XYZ\" about the body's own");
+  return order;
+}
+
+/// Whether it stands where the configuration or its mesh file has it.
+bool has_place(const ReplayBody& body) { return body.position || (body.fixed && (body.parts || !body.node.empty())); }
+
+/// Whether some body has its poses neither here nor in a file of its own.
+bool needs_poses(const ReplayScene& scene) {
+  return std::ranges::any_of(scene.bodies,
+                             [](const ReplayBody& body) { return body.poses.empty() && !has_place(body); });
+}
+
 void read(const Section& s, SceneConfig& config) {
-  s.only({"kind", "poses", "motion", "only", "half_turns", "body"});
+  s.only({"kind", "poses", "motion", "only", "half_turns", "quaternion_tolerance", "euler", "body", "robot"});
   ReplayScene scene;
   scene.only = s.texts("only");
   if (s.has("only") && scene.only.empty()) s.refuse("only", "name at least one body", "leave it out for all pairs");
   if (s.has("only")) scene.only_place = place_of(s, "only");
   if (s.has("motion")) {
     const std::string remedy = "bodies, meshes and poses are those of that result";
-    for (const char* key : {"poses", "half_turns", "body"})
+    for (const char* key : {"poses", "half_turns", "quaternion_tolerance", "euler", "body", "robot"})
       if (s.has(key)) s.refuse(key, "be absent where 'motion' is given", remedy);
     scene.motion = s.text("motion", "");
     if (scene.motion.empty()) s.refuse("motion", "name a result file");
     scene.place = place_of(s, "motion");
   } else {
-    if (!s.has("poses"))
-      s.fail("missing key '" + s.full("poses") + "', a CSV file; or 'motion', the result of an earlier run");
     scene.poses = s.text("poses", "");
-    if (scene.poses.empty()) s.refuse("poses", "name a CSV file");
-    scene.place = place_of(s, "poses");
+    if (s.has("poses")) {
+      if (scene.poses.empty()) s.refuse("poses", "name a CSV file");
+      scene.place = place_of(s, "poses");
+    }
     scene.half_turns = s.boolean("half_turns", false);
+    scene.rules.tolerance = s.real("quaternion_tolerance", CsvRules().tolerance, {.least = 1e-15, .most = 0.1});
+    scene.rules.euler = read_euler(s);
     std::set<std::string> taken;
     for (const Section& t : s.sections("body")) {
-      scene.bodies.push_back(read_body(t));
-      if (!taken.insert(scene.bodies.back().name).second) t.refuse("name", "be the only one of its name");
+      scene.bodies.push_back(read_body(t, scene.rules.tolerance));
+      if (!scene.bodies.back().parts && !taken.insert(scene.bodies.back().name).second)
+        t.refuse("name", "be the only one of its name");
     }
-    if (scene.bodies.empty()) s.fail("missing [[scene.body]]: name the bodies of the CSV and their meshes");
+    for (const Section& t : s.sections("robot")) scene.robots.push_back(read_robot(t, scene.rules.tolerance));
+    const bool moved = !scene.robots.empty() ||
+                       std::ranges::any_of(scene.bodies, [](const ReplayBody& body) { return !body.poses.empty(); });
+    if (scene.poses.empty() && (needs_poses(scene) || !moved))
+      s.fail("missing key '" + s.full("poses") + "', a CSV file; or 'motion', the result of an earlier run");
+    if (scene.bodies.empty() && scene.robots.empty())
+      s.fail("missing [[scene.body]]: name the bodies of the CSV and their meshes");
+    // Else when the files are read.
+    const bool known = scene.robots.empty() && std::ranges::none_of(scene.bodies, &ReplayBody::parts);
     for (const std::string& name : scene.only)
-      if (!taken.contains(name))
+      if (known && !taken.contains(name))
         s.refuse("only", "hold names of bodies", hint(name, std::vector<std::string>(taken.begin(), taken.end())));
   }
   config.scene = std::move(scene);
 }
 
+/// The keys of a body that say which mesh it has.
+void write_surface(const ReplayBody& body, TomlText& out) {
+  if (body.shape) return write_shape(*body.shape, out);
+  out.line("mesh", body.mesh);
+  if (!body.node.empty()) out.line("node", body.node);
+  if (body.parts) out.line("parts", true);
+  if (body.scale) out.line("scale", *body.scale);
+  if (body.up != "y") out.line("up", body.up);
+}
+
 void write(const SceneConfig& config, TomlText& out) {
   const ReplayScene& scene = config.keys<ReplayScene>();
-  if (scene.motion.empty())
-    out.line("poses", scene.poses);
-  else
-    out.line("motion", scene.motion);
+  if (!scene.poses.empty()) out.line("poses", scene.poses);
+  if (!scene.motion.empty()) out.line("motion", scene.motion);
+  if (scene.rules.tolerance != CsvRules().tolerance) out.line("quaternion_tolerance", scene.rules.tolerance);
+  if (!scene.rules.euler.empty()) out.line("euler", scene.rules.euler);
   if (scene.half_turns) out.line("half_turns", true);
   if (!scene.only.empty()) out.list("only", scene.only);
   for (const ReplayBody& body : scene.bodies) {
     out.table("[[scene.body]]");
-    out.line("name", body.name);
-    if (body.shape)
-      write_shape(*body.shape, out);
-    else
-      out.line("mesh", body.mesh);
+    if (!body.name.empty()) out.line("name", body.name);
+    write_surface(body, out);
     out.line("fixed", body.fixed);
+    if (!body.poses.empty()) out.line("poses", body.poses);
     if (!body.position) continue;
     out.list("position", *body.position);
     out.list("orientation", body.orientation);
+  }
+  for (const Robot& robot : scene.robots) {
+    out.table("[[scene.robot]]");
+    if (!robot.name.empty()) out.line("name", robot.name);
+    out.line("urdf", robot.urdf);
+    if (!robot.joints.empty()) out.line("joints", robot.joints);
+    out.list("position", robot.position);
+    out.list("orientation", robot.orientation);
   }
 }
 
@@ -130,63 +240,173 @@ void write(const SceneConfig& config, TomlText& out) {
 
 /// Bodies as the configuration lists them. Bodies of one file or of equal shapes share a mesh, which is named after the
 /// first of them.
-geometry::Bodies load_bodies(SceneConfig& config, const ReplayScene& scene, bool judge) {
-  geometry::Bodies bodies;
-  std::map<std::string, std::uint32_t> known;  // by the text of `shape`
-  std::optional<std::pair<ReplayBody, geometry::Solid>> first_open;
-  bool any_closed = false;
-  for (const ReplayBody& body : scene.bodies) {
-    TomlText text;
-    if (body.shape)
-      write_shape(*body.shape, text);
-    else
-      text.line("mesh", body.mesh);
-    const auto [at, fresh] = known.emplace(text.text, std::uint32_t(bodies.meshes.size()));
-    if (fresh) {
-      geometry::Mesh mesh;
-      if (body.shape) {
-        mesh = make_mesh(*body.shape, body.name);
-        any_closed = true;
-      } else {
-        MeshInput input = read_mesh(config, body.mesh, body.place, body.name);
-        mesh = std::move(input.mesh);
-        if (judge) {
-          geometry::Solid solid = geometry::solid_of(mesh, config.closed_within);
-          note_flaws(mesh, solid, input.path, config);
-          any_closed |= solid.closed;
-          if (!solid.closed && !first_open) first_open.emplace(body, std::move(solid));
-        }
-      }
-      bodies.meshes.push_back(std::move(mesh));
-    }
-    bodies.add(body.name, at->second, body.fixed);
-  }
-  if (judge && config.containment != Containment::ignore && !any_closed)
-    throw Error(kInput, first_open->first.place + " of body '" + first_open->first.name +
-                            "': " + all_open_text(first_open->first.name, first_open->second));
-  return bodies;
-}
+class Bodies {
+ public:
+  Bodies(SceneConfig& config, bool judge, ReplayInputs& out) : config_(config), judge_(judge), out_(out) {}
 
-CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene) {
-  std::vector<CsvBody> bodies;
-  for (const ReplayBody& body : scene.bodies)
-    bodies.push_back({body.name, !body.fixed     ? CsvBody::every_step
-                                 : body.position ? CsvBody::none
-                                                 : CsvBody::first_step});
-  const Input input = read_input(config, scene.poses, scene.place);
-  CsvMotion motion = parse_poses(input.bytes, input.path, bodies);
-  if (motion.begins_with_half_turns && !scene.half_turns)
+  void add(const ReplayBody& body) {
+    MeshFile file{.file = body.mesh, .place = body.place, .node = body.node, .up = body.up[0]};
+    file.scale.fill(body.scale.value_or(1));
+    if (body.parts) {
+      for (MeshInput& part : read_parts(config_, file, body.name.empty() ? "" : body.name + ".", nodes_)) {
+        const std::string name = part.mesh.name;
+        const auto pose = part.pose;
+        add(body, name, new_mesh(name, body.place, std::move(part)), pose);
+      }
+      return;
+    }
+    TomlText text;
+    write_surface(body, text);
+    auto at = known_.find(text.text);
+    if (at == known_.end()) {
+      Known known;
+      if (body.shape) {
+        any_closed_ = true;
+        known.mesh = std::uint32_t(out_.bodies.meshes.size());
+        out_.bodies.meshes.push_back(make_mesh(*body.shape, body.name));
+        closed_.push_back(true);
+      } else {
+        MeshInput input = read_mesh(config_, file, body.name, nodes_);
+        known.pose = input.pose;
+        known.mesh = new_mesh(body.name, body.place, std::move(input));
+      }
+      at = known_.emplace(text.text, known).first;
+    }
+    add(body, body.name, at->second.mesh, at->second.pose);
+  }
+
+  /// Links as bodies. A robot's tracks are of all bodies once all are there (load_poses).
+  void add(const Robot& robot) {
+    LoadedRobot loaded = load_robot(config_, robot, nodes_);
+    std::vector<CsvTrack> tracks(out_.bodies.size());
+    for (std::size_t i = 0; i < loaded.bodies.size(); ++i) {
+      RobotBody& link = loaded.bodies[i];
+      const std::string name = link.input.mesh.name;
+      const std::uint32_t mesh = new_mesh(name, robot.place, std::move(link.input));
+      std::optional<geometry::Pose> stays;
+      if (link.fixed) stays = loaded.motion.tracks[i].poses[0];
+      add(nullptr, name, robot.place, robot.urdf, link.fixed, mesh, stays);
+      tracks.push_back(link.fixed ? CsvTrack{} : std::move(loaded.motion.tracks[i]));
+    }
+    loaded.motion.tracks = std::move(tracks);
+    out_.robots.push_back(std::move(loaded.motion));
+  }
+
+  /// Throws Error(kInput) when containment counts and nothing can hold anything.
+  void finish() const {
+    if (judge_ && config_.containment != Containment::ignore && !any_closed_)
+      throw Error(kInput, first_open_->place + " of body '" + first_open_->name +
+                              "': " + all_open_text(first_open_->name, first_open_->solid));
+  }
+
+ private:
+  struct Known {
+    std::uint32_t mesh = 0;
+    std::optional<geometry::Pose> pose;
+  };
+
+  std::uint32_t new_mesh(const std::string& name, const std::string& place, MeshInput input) {
+    const auto at = std::uint32_t(out_.bodies.meshes.size());
+    closed_.push_back(false);
+    if (judge_) {
+      geometry::Solid solid = geometry::solid_of(input.mesh, config_.closed_within);
+      note_flaws(input.mesh, solid, input.path, config_);
+      any_closed_ |= solid.closed;
+      closed_.back() = solid.closed;
+      if (!solid.closed && !first_open_) first_open_ = {name, place, std::move(solid)};
+    }
+    out_.bodies.meshes.push_back(std::move(input.mesh));
+    return at;
+  }
+
+  void add(const ReplayBody& body, const std::string& name, std::uint32_t mesh,
+           const std::optional<geometry::Pose>& pose) {
+    std::optional<geometry::Pose> stays;
+    if (body.position) {
+      const auto& t = *body.position;
+      const auto& q = body.orientation;
+      stays = {geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}};
+    } else if (body.fixed) {
+      stays = pose;
+    }
+    add(&body, name, body.place, body.mesh, body.fixed, mesh, stays);
+  }
+
+  void add(const ReplayBody* body, const std::string& name, const std::string& place, const std::string& file,
+           bool fixed, std::uint32_t mesh, const std::optional<geometry::Pose>& stays) {
+    if (!names_.insert(name).second)
+      throw Error(kInput, place + ": another body is named " + in_quotes(one_line(name)) + "; rename one");
+    out_.bodies.add(name, mesh, fixed);
+    out_.of.push_back(body);
+    out_.stays.push_back(stays);
+    if (!judge_) return;
+    const geometry::Mesh& surface = out_.bodies.meshes[mesh];
+    const geometry::Box box = geometry::local_box(surface);
+    out_.facts.push_back({.name = name,
+                          .mesh = file,
+                          .fixed = fixed,
+                          .closed = closed_[mesh],
+                          .facets = surface.triangles.size(),
+                          .size = box.max - box.min});
+  }
+
+  SceneConfig& config_;
+  const bool judge_;
+  ReplayInputs& out_;
+  NodeFiles nodes_;
+  std::map<std::string, Known> known_;  // by the keys of the mesh
+  std::set<std::string> names_;
+  std::vector<bool> closed_;  // by mesh
+  struct Open {
+    std::string name, place;
+    geometry::Solid solid;
+  };
+  std::optional<Open> first_open_;
+  bool any_closed_ = false;
+};
+
+/// One table of poses: what it says, and what is to be said of it.
+void load_table(SceneConfig& config, const ReplayScene& scene, const std::string& file, const std::string& place,
+                const std::vector<CsvBody>& bodies, CsvMotion& motion) {
+  const Input input = read_input(config, file, place);
+  CsvMotion table = parse_poses(input.bytes, input.path, bodies, scene.rules);
+  if (!table.plain) config.understood.push_back(input.path + ": " + table.understood);
+  if (table.begins_with_half_turns && !scene.half_turns)
     config.notes.push_back(input.path +
                            ": the first quaternion of every body has qw = 0, a half turn: are they in the order of "
                            "the header? If they are x, y, z, w, let the header end with qx,qy,qz,qw; if half turns are "
                            "meant, set scene.half_turns = true");
+  join(motion, std::move(table), input.path);
+}
+
+CsvMotion load_poses(SceneConfig& config, const ReplayScene& scene, ReplayInputs& inputs) {
+  std::vector<CsvBody> bodies;
+  for (std::uint32_t b = 0; b < inputs.bodies.size(); ++b)
+    bodies.push_back({inputs.bodies.name[b], inputs.stays[b]                                 ? CsvBody::none
+                                             : !inputs.of[b] || !inputs.of[b]->poses.empty() ? CsvBody::elsewhere
+                                             : !inputs.bodies.fixed[b]                       ? CsvBody::every_step
+                                                                                             : CsvBody::first_step});
+  CsvMotion motion;
+  motion.tracks.resize(bodies.size());
+  if (!scene.poses.empty()) load_table(config, scene, scene.poses, scene.place, bodies, motion);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (bodies[b].rows != CsvBody::none) continue;
-    const auto& t = *scene.bodies[b].position;
-    const auto& q = scene.bodies[b].orientation;
-    motion.tracks[b] = {
-        .first = 0, .stays = true, .poses = {{geometry::normalised({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}}}};
+    if (bodies[b].rows == CsvBody::elsewhere && inputs.of[b]) {
+      const ReplayBody& body = *inputs.of[b];
+      CsvMotion own;
+      load_table(config, scene, body.poses, body.poses_place, {{body.name}}, own);
+      std::vector<CsvTrack> tracks(bodies.size());
+      tracks[b] = std::move(own.tracks[0]);
+      own.tracks = std::move(tracks);
+      join(motion, std::move(own), (config.path.parent_path() / body.poses).string());
+    }
+    if (bodies[b].rows == CsvBody::none) motion.tracks[b] = {.first = 0, .stays = true, .poses = {*inputs.stays[b]}};
   }
+  for (std::size_t r = 0; r < inputs.robots.size(); ++r) {
+    CsvMotion& robot = inputs.robots[r];
+    if (robot.steps == 0) continue;  // none of its joints moves
+    join(motion, std::move(robot), (config.path.parent_path() / scene.robots[r].joints).string());
+  }
+  if (motion.steps == 0) throw Error(kInput, scene.robots[0].place + ": nothing moves; give poses or joints that do");
   return motion;
 }
 
@@ -207,14 +427,51 @@ void load_result(SceneConfig& config, const ReplayScene& scene, bool judge, Repl
   inputs.rate = earlier.rate;
 }
 
+/// The one in the middle; `values` are not empty.
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// What looks as if a file were in another unit: a body a hundred times as large as the others are, or as small, and a
+/// path of thousands of its own lengths.
+void add_doubts(ReplayInputs& inputs) {
+  for (std::size_t b = 0; b < inputs.facts.size(); ++b) {
+    BodyFacts& body = inputs.facts[b];
+    geometry::Vec3 low = geometry::Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const geometry::Pose& pose : inputs.csv.tracks[b].poses) {
+      low = low.cwiseMin(pose.t);
+      high = high.cwiseMax(pose.t);
+    }
+    body.path = std::max(0.0, (high - low).maxCoeff());
+    const double size = body.size.maxCoeff();
+    if (body.path > 5000 * size)
+      body.doubt = print("goes %.3g m, %.0f times its own length: are positions in millimetres, or its mesh in metres?",
+                         body.path, body.path / size);
+    std::vector<double> others;
+    for (std::size_t o = 0; o < inputs.facts.size(); ++o)
+      if (o != b) others.push_back(inputs.facts[o].size.maxCoeff());
+    if (others.empty() || body.mesh.empty()) continue;
+    const double usual = median(std::move(others));
+    if (size >= 100 * usual || size <= usual / 100)
+      body.doubt = print("is %.3g m long, the others %.3g m: is its file in another unit? scale = %s", size, usual,
+                         size > usual ? "0.001 or 0.01" : "1000 or 100");
+  }
+}
+
 /// `judge`: with a look at what is wrong with the meshes.
 ReplayInputs load(SceneConfig& config, const ReplayScene& scene, bool judge) {
   ReplayInputs inputs;
   if (!scene.motion.empty()) {
     load_result(config, scene, judge, inputs);
   } else {
-    inputs.bodies = load_bodies(config, scene, judge);
-    inputs.csv = load_poses(config, scene);
+    Bodies bodies(config, judge, inputs);
+    for (const ReplayBody& body : scene.bodies) bodies.add(body);
+    for (const Robot& robot : scene.robots) bodies.add(robot);
+    bodies.finish();
+    inputs.csv = load_poses(config, scene, inputs);
+    add_doubts(inputs);
   }
   if (scene.only.empty()) return inputs;
   geometry::Bodies& bodies = inputs.bodies;
@@ -253,6 +510,13 @@ std::vector<Ahead> births_of(const ReplayInputs& inputs) {
   return out;
 }
 
+/// The file that says how many steps there are.
+std::string steps_of(const ReplayScene& scene) {
+  if (!scene.motion.empty() || !scene.poses.empty()) return scene.motion + scene.poses;
+  const auto own = std::ranges::find_if(scene.bodies, [](const ReplayBody& body) { return !body.poses.empty(); });
+  return own == scene.bodies.end() ? scene.robots[0].joints : own->poses;
+}
+
 void complete(SceneConfig& config) {
   ReplayScene scene = config.keys<ReplayScene>();
   const ReplayInputs inputs = load(config, scene, true);
@@ -261,11 +525,19 @@ void complete(SceneConfig& config) {
     config.steps = steps;
   else if (config.steps > steps)
     throw Error(kInput, config.steps_place + ": 'steps' must be at most " + std::to_string(steps) + ", the steps of " +
-                            (scene.motion.empty() ? scene.poses : scene.motion) + ", not " +
-                            std::to_string(config.steps));
+                            steps_of(scene) + ", not " + std::to_string(config.steps));
   if (!config.rate_given && inputs.rate) config.rate = *inputs.rate;
+  if (const auto rate = rate_of(inputs.csv); rate && !config.rate_given) {
+    if (!(*rate >= kLeastRate && *rate <= kMostRate))
+      throw Error(kInput, "the times of the poses are " + real_text(1 / *rate) +
+                              " s apart on the mean; check their unit, or give the rate");
+    config.rate = *rate;
+    config.understood.push_back("steps are " + real_text(1 / *rate) +
+                                " s apart on the mean: rate = " + real_text(*rate));
+  }
   scene.size = size_of(inputs.bodies);
   scene.births = births_of(inputs);
+  scene.facts = inputs.facts;
   config.scene = std::move(scene);
 }
 
@@ -278,6 +550,8 @@ const ReplayScene& completed(const SceneConfig& config) {
 SceneSize size(const SceneConfig& config) { return *completed(config).size; }
 
 std::vector<Ahead> ahead(const SceneConfig& config) { return completed(config).births; }
+
+std::vector<BodyFacts> facts(const SceneConfig& config) { return completed(config).facts; }
 
 Scene make(const SceneConfig& config) {
   SceneConfig again = config;
@@ -305,7 +579,8 @@ SceneKind replay_kind() {
           .size = size,
           .make = make,
           .ahead = ahead,
-          .complete = complete};
+          .complete = complete,
+          .facts = facts};
 }
 
 }  // namespace pipeline

@@ -1,0 +1,276 @@
+"""The section "Engines": other people's engines and libraries side by side, where a file has at least two of them."""
+
+import numpy as np
+import pandas as pd
+
+from ..tables import engines, pareto
+from .drawing import digits, guarded, log_seconds, shortened, time_text
+from .figure import FALSE_POSITIVE, MISSED, Figure, Points, Section, Table, figure, slug, svg_of
+from ..words import counted, listed, number, verb
+
+LEAST = 2  # labels: with fewer there is nothing to compare
+CONTAINED = "#B8B8B8"
+
+
+def sections(runs):
+    """The section, or nothing where no file has two engines."""
+    parts = []
+    for count, run in enumerate(runs):
+        if len(engines.engines(run)) < LEAST:
+            continue
+        key = f"engines-{count}-{slug(pareto.name(run))}"
+        name = f"{pareto.title(run)} ({pareto.name(run)})"
+        if getattr(run, "extremes", None) is not None:
+            parts += [guarded(name, extremes_points, run, name, done="told"),
+                      guarded(name, extremes_table, run, done="told")]
+            continue
+        parts += [guarded(name, points, run, name, done="told"), guarded(name, picture, run, key),
+                  guarded(name, table, run, name, done="told")]
+    return [Section("Engines", parts)] if parts else []
+
+
+# ---- Sentences -----------------------------------------------------------------------------------------------------
+
+
+def points(run, name):
+    answered = engines.answers(run)
+    told = [who(answered), right(answered), *fastest(run, answered), *wrong(run, answered), *inside(answered),
+            *by_margin(answered), *languages(answered)]
+    return Points(name, told)
+
+
+def who(answered):
+    kinds = {tests: listed(mine.index) for tests, mine in answered.groupby("tests", sort=False)}
+    each = "; ".join(f"{tests}: {names}" for tests, names in kinds.items())
+    return (f"{counted(len(answered), 'label')} of other people's engines {verb(len(answered), 'answers', 'answer')}. "
+            f"What they take bodies for: {each}.")
+
+
+def right(answered):
+    never = engines.without_error(answered)
+    if never:
+        return f"Never wrong {verb(never, 'is', 'are')} {listed(never)}."
+    count = answered["false_positive"] + answered["false_negative"]
+    least = count.idxmin()
+    return f"None is without an error; {least} errs least, in {counted(int(count[least]), 'pair')}."
+
+
+def fastest(run, answered):
+    """Which is the fastest without an error, how far the next is behind, and what the project's own exact one takes."""
+    never = [label for label in engines.without_error(answered) if answered["time_mean_ns"][label] > 0]
+    if not never:
+        return []
+    best = answered.loc[never[0]]
+    alike = [label for label in never[1:] if pareto.alike(answered.loc[label], best)]
+    text = f"The fastest without an error is {never[0]}: {with_interval(best)} a step"
+    if alike:
+        text += f"; {listed(alike)} {verb(alike, 'is', 'are')} as fast"
+    behind = [label for label in never[1:] if label not in alike]
+    if behind:
+        text += f"; {behind[0]} takes {ratio_text(answered.loc[behind[0]], best)} as long"
+    found = [text + "."]
+    own = own_exact(run)
+    if own is not None:
+        found.append(f"This project's {own['label']} takes {with_interval(own)}: {ratio_text(best, own)} less than "
+                     f"{never[0]}." if own["time_mean_ns"] < best["time_mean_ns"] else
+                     f"This project's {own['label']} takes {with_interval(own)}: {ratio_text(own, best)} as long as "
+                     f"{never[0]}.")
+    return found
+
+
+def own_exact(run):
+    """The fastest of the file's own methods that are exact, as a row for pareto.compared(); None without one."""
+    rows = []
+    for label in run.meta["algorithms"]:
+        told = run.meta["answers"][label]
+        if not engines.is_engine(told) and told.get("promise") == "exact" and run.summary["time_mean_ns"][label] > 0:
+            rows.append(run.summary.loc[label].to_dict() | {"label": label, "times": run.step_times.get(label, [])})
+    return min(rows, key=lambda row: row["time_mean_ns"], default=None)
+
+
+def wrong(run, answered):
+    """How far from right: distances of false positives; what is missed is said without, for depths are not recorded."""
+    found = []
+    some = answered[answered["false_positive"] > 0].sort_values("false_positive")
+    each = []
+    for label, row in some.iterrows():
+        text = f"{label} in {number(int(row['false_positive']))}"
+        if row["beyond"] > 0:
+            text += f", {number(int(row['beyond']))} of them farther than {digits(run.gaps.attrs['margin'])} m"
+        elif row["gap"] == row["gap"]:
+            text += f", at most {digits(row['gap'])} m apart"
+        each.append(text)
+    if each:
+        found.append(f"Pairs that do not meet are reported by {'; '.join(each)}.")
+    some = answered[answered["false_negative"] > 0].sort_values("false_negative")
+    if len(some):
+        each = listed([f"{label} ({number(int(row['false_negative']))})" for label, row in some.iterrows()])
+        found.append(f"Pairs that meet are missed by {each}.")
+    return found
+
+
+def inside(answered):
+    if "contained_hit" not in answered or not (answered["contained_hit"] > 0).any():
+        return []
+    most = int(answered["contained_hit"].max())
+    yes = [label for label in answered.index if answered["contained_hit"][label] == most]
+    no = [label for label in answered.index if answered["contained_hit"][label] == 0]
+    text = f"Bodies wholly inside others are reported most by {listed(yes)}, {number(most)} times"
+    return [text + (f", and never by {listed(no)}." if no else ".")]
+
+
+def by_margin(answered):
+    found = []
+    for less, more in engines.margins(answered):
+        a, b = answered.loc[less], answered.loc[more]
+        found.append(
+            f"{a['algorithm']} with a margin of {a['knobs']['margin']:g} m has {number(int(a['false_positive']))} "
+            f"false positives and {number(int(a['false_negative']))} misses; with {b['knobs']['margin']:g} m "
+            f"{number(int(b['false_positive']))} and {number(int(b['false_negative']))}.")
+    return found
+
+
+def languages(answered):
+    known = answered[(answered["language"] != "") & (answered["time_mean_ns"] > 0)]
+    kinds = {name: mine.sort_values("time_mean_ns").iloc[0] for name, mine in
+             known.groupby(known["language"].str.partition(" ")[0].str.rstrip(","), sort=False)}
+    if len(kinds) < 2:
+        return []
+    each = [f"{name} {row.name} ({time_text(row['time_mean_ns'])})" for name, row in kinds.items()]
+    return [f"The fastest, right or wrong, are of {'; of '.join(each)}."]
+
+
+def with_interval(row):
+    text = time_text(row["time_mean_ns"])
+    low, high = row.get("time_mean_low_ns", np.nan), row.get("time_mean_high_ns", np.nan)
+    return f"{text} ({time_text(low)} to {time_text(high)})" if low == low else text
+
+
+def ratio_text(one, other):
+    ratio = pareto.compared(one, other)
+    text = f"{digits(ratio.value)} times"
+    return f"{text} ({digits(ratio.low)} to {digits(ratio.high)})" if ratio.known else text
+
+
+# ---- Figure and tables ---------------------------------------------------------------------------------------------
+
+
+def picture(run, key):
+    """Wrong answers and time per step, a row a label; the fastest at the top."""
+    answered = engines.answers(run).sort_values("time_mean_ns")
+    labels = list(answered.index)
+    fig, (left, right_) = figure(1, 2, height=0.3 * len(labels) + 1.5, sharey=True)
+    place = np.arange(len(labels))[::-1]
+    foot = np.zeros(len(labels))
+    handles = []
+    for column, colour, name in (("false_negative", MISSED, "missed"),
+                                 ("false_positive", FALSE_POSITIVE, "false positive"),
+                                 ("contained_hit", CONTAINED, "inside, reported")):
+        if column not in answered:
+            continue
+        width = answered[column].to_numpy(float)
+        handles.append(left.barh(place, width, 0.7, left=foot, color=colour, label=name))
+        foot = foot + width
+    left.set_xscale("symlog", linthresh=1)
+    left.set(xlabel="pairs over all steps", xlim=(0, max(foot.max(), 1) * 2))
+    left.set_yticks(place, shortened(labels, 24).values())
+    time = answered["time_mean_ns"].to_numpy(float) / 1e9
+    low, high = (answered.get(f"time_mean_{end}_ns", answered["time_mean_ns"]).fillna(answered["time_mean_ns"])
+                 .to_numpy(float) / 1e9 for end in ("low", "high"))
+    right_.hlines(place, low, high, color="#333333", linewidth=2)
+    right_.plot(time, place, "o", color="#333333", markersize=4)
+    right_.set_xlabel("mean time a step")
+    log_seconds(right_, "x")
+    fig.legend(handles=handles, loc="outside upper center", ncols=3)
+    never = engines.without_error(answered)
+    title = (f"{never[0]} is the fastest of {counted(len(never), 'engine')} without an error" if never else
+             "No engine is without an error")
+    caption = (f"{counted(len(labels), 'label')}; counts are sums over {counted(run.meta['steps'], 'step')}, a line is "
+               "the 95 % interval of the mean. Each has the same boxes in front of it, or a broad phase of its own. "
+               f"Timed on {'; '.join(dict.fromkeys(answered['machine']))}. {pareto.name(run)}.")
+    told = answered[["false_negative", "false_positive", "error", "time_mean_ns"]].reset_index()
+    return Figure(title, svg_of(fig), caption, told, key)
+
+
+def table(run, name):
+    answered = engines.answers(run)
+    frame = pd.DataFrame({
+        "label": answered.index,
+        "library": (answered["library"] + " " + answered["version"]).str.strip(),
+        "tests": answered["tests"],
+        "language": answered["language"],
+        "precision": answered["precision"],
+        "asked": answered["asked"],
+        "error": answered["error"],
+        "false positives": answered["false_positive"].astype("Int64"),
+        "false negatives": answered["false_negative"].astype("Int64"),
+    })
+    if "contained_hit" in answered:
+        frame["contained hits"] = answered["contained_hit"].astype("Int64")
+    if answered["gap"].notna().any() or (answered["beyond"] > 0).any():
+        frame["farthest (m)"] = [f"> {run.gaps.attrs['margin']:g}" if row.beyond > 0 else
+                                 "–" if row.gap != row.gap else digits(row.gap) for row in answered.itertuples()]
+    for column, head, unit in (("time_mean_ns", "mean time (µs)", 1e3), ("time_mean_low_ns", "from (µs)", 1e3),
+                               ("time_mean_high_ns", "to (µs)", 1e3), ("setup_ns", "set-up (ms)", 1e6),
+                               ("memory_bytes", "memory (KiB)", 1024)):
+        if column in answered and answered[column].notna().any():
+            frame[head] = answered[column] / unit
+    frame["licence"] = answered["licence"]
+    caption = ("Farthest: the greatest distance of a pair that is reported and does not meet, as far as distances are "
+               "recorded; how deep a missed pair meets is not, a scene of extremes tells that. Contained hits are on "
+               "bodies wholly inside others, neither right nor wrong.")
+    return Table(name, frame.reset_index(drop=True), caption)
+
+
+# ---- Extremes ------------------------------------------------------------------------------------------------------
+
+
+def gap_text(value):
+    return "–" if value != value else "0" if value == 0 else f"{value:.1g} m"
+
+
+def near_and_far(run):
+    found = engines.begins(run)
+    offsets = sorted(found.index.get_level_values("offset").unique())
+    return found, offsets[0], offsets[-1]
+
+
+def extremes_points(run, name):
+    found, near, far = near_and_far(run)
+    told = []
+    never = [label for label in found.index.get_level_values("label").unique()
+             if (found.loc[label, ["misses", "reports"]] == 0).all(axis=None)]
+    if never:
+        told.append(f"At no gap and no offset {verb(never, 'errs', 'err')} {listed(never)}.")
+    for label in found.index.get_level_values("label").unique():
+        if label in never:
+            continue
+        told.append(f"{label} " + "; ".join(f"{words}: {begin_text(found.loc[(label, offset)])}" for words, offset in (
+            ("near the origin" if near == 0 else f"{near:g} m from the origin", near),
+            (f"{far:g} m from it in each coordinate", far))) + ".")
+    return Points(name, told)
+
+
+def begin_text(row):
+    if row["misses"] != row["misses"]:
+        return "it fails in all cases"
+    if row["misses"] == 0 and row["reports"] == 0:
+        return "it is never wrong"
+    both = []
+    if row["misses"] > 0:
+        both.append(f"pairs as deep as {gap_text(row['misses'])} are missed")
+    if row["reports"] > 0:
+        both.append(f"pairs as far apart as {gap_text(row['reports'])} are reported")
+    return " and ".join(both)
+
+
+def extremes_table(run):
+    found, _, _ = near_and_far(run)
+    frame = found.reset_index().rename(columns={
+        "offset": "offset (m)", "misses": "deepest missed (m)", "reports": "farthest reported (m)"})
+    title = "At which gap engines begin to err, by how far from the origin"
+    caption = ("Cases of bodies of about a metre. Deepest missed: the greatest depth by which two bodies meet that are "
+               "not reported; farthest reported: the greatest gap of a pair that is reported and does not meet; 0: "
+               "none. What a hull or a box adds to a body counts as reported. Distances of far cases are those of the bodies "
+               "as rounded there.")
+    return Table(title, frame, caption)

@@ -1,0 +1,128 @@
+"""Engines and other people's libraries: what each takes bodies for, how it errs, by how many metres, and what it costs.
+
+Functions from a Run to tables. A method is somebody else's when its file says so: it names a library, or how it was
+asked. In a scene of extremes the place where each begins to err, near the origin and far from it.
+"""
+
+import json
+
+import numpy as np
+import pandas as pd
+
+from . import extremes, pareto
+
+# Of libraries that answer in the program's own process a file has the version alone.
+IN_PROCESS = {"fcl_bvh": ("surfaces of the meshes", "C++", "double", "BSD-3-Clause")}
+
+
+def is_engine(answers):
+    return bool(answers.get("transport") or answers.get("library"))
+
+
+def engines(run):
+    """The labels of somebody else's methods, in the file's order."""
+    return [label for label in run.meta["algorithms"] if is_engine(run.meta["answers"][label])]
+
+
+def about(run, label):
+    """What a file tells of a method of others: name, version, tests, language, precision, licence, asked, knobs."""
+    told = run.meta["answers"][label]
+    tests, language, precision, licence = IN_PROCESS.get(told.get("name", label), ("",) * 4)
+    library, _, version = told.get("library", "").rpartition(" ")
+    return {
+        "algorithm": told.get("name", label),
+        "library": library or told.get("name", label),
+        "version": told.get("version") or version,
+        "tests": told.get("tests") or tests or "not said",
+        "language": told.get("language") or language,
+        "precision": told.get("precision") or precision,
+        "licence": told.get("licence") or licence,
+        "asked": told.get("transport") or "in process",
+        "knobs": _knobs(told.get("knobs", "{}")),
+    }
+
+
+def answers(run):
+    """One row per method of others that answered to the end, indexed by label.
+
+    Columns: those of about(); error, false_positive, false_negative, contained_hit (where recorded); gap (m): the
+    greatest distance of a pair that it reports falsely, as far as distances are recorded (NaN: none), and beyond: how
+    many such pairs are farther apart than that; time_mean_ns, time_mean_low_ns, time_mean_high_ns, setup_ns,
+    memory_bytes; and what pareto.compared() needs: times, machine, floor.
+    """
+    rows = {}
+    for label in engines(run):
+        told = run.summary.loc[label].to_dict()
+        rows[label] = about(run, label) | told | dict(zip(("gap", "beyond"), furthest(run, label))) | {
+            "times": run.step_times.get(label, np.zeros(0)),
+            "machine": pareto.machine(run.meta["answers"][label]),
+            "floor": run.noise,
+        }
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("label")
+
+
+def furthest(run, label):
+    """(the greatest distance of a false positive in m, how many are farther apart than distances are recorded).
+
+    (NaN, NaN) when the file has no distances; (NaN, 0) without false positives.
+    """
+    if run.gaps is None:
+        return np.nan, np.nan
+    said = run.per_pair(label)
+    false = said.loc[said["verdict"] == "false_positive", ["step", "a", "b"]]
+    known = false.merge(run.gaps, on=["step", "a", "b"])
+    return (float(known["upper"].max()) if len(known) else np.nan), len(false) - len(known)
+
+
+def without_error(table):
+    """The labels of answers() that were never wrong, the fastest first."""
+    right = table[(table["false_positive"] == 0) & (table["false_negative"] == 0)]
+    return list(right.sort_values("time_mean_ns").index)
+
+
+def margins(table):
+    """Pairs of labels of one method that differ in its margin alone: (label of the smaller, of the greater)."""
+    found = []
+    for _, mine in table.groupby("algorithm", sort=False):
+        rows = [(label, dict(knobs)) for label, knobs in mine["knobs"].items() if "margin" in knobs]
+        rows.sort(key=lambda row: row[1]["margin"])
+        for (one, knobs), (other, more) in zip(rows, rows[1:]):
+            if knobs["margin"] < more["margin"] and knobs | {"margin": 0} == more | {"margin": 0}:
+                found.append((one, other))
+    return found
+
+
+def begins(run):
+    """Where each method of others begins to err in a scene of extremes, by offset: rows (label, offset in m).
+
+    Of bodies of about a metre (the scale that is there nearest to it). Columns: cases and failed; misses (m): the
+    greatest depth of a pair that meets and is not reported; reports (m): the greatest gap of a pair that is reported
+    and does not meet; 0 where it never errs so, NaN where it failed in all cases. A body wholly inside another, or
+    beyond it, is no part: there no surfaces meet, and what to say is a matter of taste.
+    """
+    cases = extremes.answered(run)
+    scales = cases["scale"].unique()
+    cases = cases[cases["scale"] == scales[np.argmin(np.abs(np.log10(scales)))]]
+    rows = {}
+    for label in engines(run):
+        mine = cases[cases["algorithm"] == label]
+        for offset, some in mine.groupby("offset"):
+            well = some[~some["failed"]]
+            missed = -well.loc[well["truth"] & ~well["reported"] & (well["gap"] <= 0), "gap"]
+            false = well.loc[~well["truth"] & well["reported"] & (well["gap"] > 0), "gap"]
+            rows[label, offset] = {
+                "cases": len(some),
+                "failed": int(some["failed"].sum()),
+                "misses": float(missed.max() if len(missed) else 0) if len(well) else np.nan,
+                "reports": float(false.max() if len(false) else 0) if len(well) else np.nan,
+            }
+    table = pd.DataFrame.from_dict(rows, orient="index")
+    table.index = pd.MultiIndex.from_tuples(table.index, names=["label", "offset"])
+    return table
+
+
+def _knobs(text):
+    try:
+        return dict(json.loads(text))
+    except (TypeError, ValueError):
+        return {}
