@@ -219,6 +219,14 @@ def thesis_sections(runs, found):
     return thesis_figures.scene_sections(chosen, beside)
 
 
+def choice_sections(runs, found):
+    return [part for part in [choice.section(found)] if part]
+
+
+def engines_sections(runs, found):
+    return engines_figures.sections([run for run in runs if not is_study(run)])
+
+
 def knobs_sections(runs, found):
     return knobs_figures.sections(found)
 
@@ -239,8 +247,8 @@ def about_sections(runs, found):
     return [*([definitions()] if any(not is_study(run) for run in runs) else []), provenance(runs)]
 
 
-SECTIONS = [findings_sections, choice_sections, verdict_sections, nine_sections, engines_sections, studies_sections,
-            extremes_sections, answers_sections, knobs_sections, thesis_sections, drift_sections, foreign_sections,
+SECTIONS = [findings_sections, choice_sections, verdict_sections, nine_sections, studies_sections, extremes_sections,
+            answers_sections, engines_sections, knobs_sections, thesis_sections, drift_sections, foreign_sections,
             about_sections]
 
 
