@@ -23,7 +23,13 @@ function decoded(data) {
   const keys = (pairs) => new Set(pairs.map(key));
   const truth = lists(data.truth),
     contained = lists(data.contained);
-  const algorithms = data.algorithms.map((a) => ({ ...a, given: JSON.parse(a.knobs || "{}"), fp: lists(a.fp), fn: lists(a.fn), inside: lists(a.inside) }));
+  const algorithms = data.algorithms.map((a) => ({
+    ...a,
+    given: JSON.parse(a.knobs || "{}"),
+    fp: lists(a.fp),
+    fn: lists(a.fn),
+    inside: lists(a.inside),
+  }));
   const position = new Float64Array(bytes(data.position)),
     orientation = new Float64Array(bytes(data.orientation));
   const meshes = data.meshes.map((mesh) => {

@@ -113,7 +113,7 @@ const measure = (() => {
     }
   }
 
-  // measure(one, other) gives { segments: [[p, q], ...] where the surfaces cross, pairs: how many triangle pairs do, gap: { distance, from, to }
+  // { segments: [[p, q], ...] where the surfaces cross, pairs: how many pairs of triangles do, gap: { distance, from, to }
   // when none does }; null when the meshes are too large.
   function measure(one, other) {
     if ((one.index.length / 3) * (other.index.length / 3) > MOST_TRIANGLE_PAIRS) return null;

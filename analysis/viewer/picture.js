@@ -3,7 +3,8 @@
 
 // page: what viewer.js knows. Gives { update, fly, setUp, pixel, all }; throws where there is no WebGL.
 function makePicture(page) {
-  const { data, meshes, poses, state, KINDS, NONE, listed, place, radius, name, kindOf, bodyKinds, choose, toDrawn } = page;
+  const { data, meshes, poses, state, KINDS, NONE, listed, place, radius, name, kindOf, bodyKinds, choose, toDrawn } =
+    page;
   const $ = (id) => document.getElementById(id);
   const view = $("view"),
     root = new THREE.Group(),
@@ -146,7 +147,13 @@ function makePicture(page) {
       return shape;
     };
     const sheer = (strength) =>
-      new THREE.MeshBasicMaterial({ color, opacity: strength, transparent: true, depthWrite: false, side: THREE.DoubleSide });
+      new THREE.MeshBasicMaterial({
+        color,
+        opacity: strength,
+        transparent: true,
+        depthWrite: false,
+        side: THREE.DoubleSide,
+      });
     if (lines.length && lines.length <= MOST_BARS)
       marks.add(bars(drawn(lines), lines.length > 20 ? thickness / 2 : thickness, color, opacity, true));
     else if (lines.length) {
@@ -164,11 +171,13 @@ function makePicture(page) {
       marks.add(ball);
       const circle = Array.from({ length: 65 }, (_, i) => [Math.cos((i * Math.PI) / 32), Math.sin((i * Math.PI) / 32)]);
       const rings = [0, 1, 2].flatMap((c) =>
-        circle.slice(1).map((_, i) =>
-          [circle[i], circle[i + 1]].map((uv) =>
-            centre.map((x, k) => x + metres * (k === c ? 0 : uv[k === (c + 1) % 3 ? 0 : 1])),
+        circle
+          .slice(1)
+          .map((_, i) =>
+            [circle[i], circle[i + 1]].map((uv) =>
+              centre.map((x, k) => x + metres * (k === c ? 0 : uv[k === (c + 1) % 3 ? 0 : 1])),
+            ),
           ),
-        ),
       );
       marks.add(bars(drawn(rings), thickness, color, opacity, true));
     }
@@ -251,7 +260,14 @@ function makePicture(page) {
       });
       const { lines = [], faces = [], points = [] } = shown.marks;
       const red = css("--decides");
-      if (lines.length) marks.add(bars(lines.map((line) => line.map(toDrawn)), 0.8 * size, red));
+      if (lines.length)
+        marks.add(
+          bars(
+            lines.map((line) => line.map(toDrawn)),
+            0.8 * size,
+            red,
+          ),
+        );
       showSeen({ faces, points }, red, size, 3);
     }
     if (measured && measured.pairs) marks.add(bars(measured.segments, size, ink));
@@ -281,7 +297,7 @@ function makePicture(page) {
     const wide = label.offsetWidth / 2 + 4,
       within = (x, low, high) => Math.min(Math.max(x, low), Math.max(low, high));
     label.style.left = within(((top.x + 1) / 2) * view.clientWidth, wide, view.clientWidth - wide) + "px";
-    label.style.top = within(((1 - top.y) / 2) * view.clientHeight, 46, view.clientHeight) + "px";
+    label.style.top = within(((1 - top.y) / 2) * view.clientHeight, 72, view.clientHeight) + "px";
   }
 
   // A bar of 1, 2 or 5 times a power of ten metres, as long as that is at the point that the camera turns about.
@@ -291,13 +307,19 @@ function makePicture(page) {
     if (!(most > 0 && isFinite(most))) return;
     const power = 10 ** Math.floor(Math.log10(most)),
       long = [5, 2, 1].map((k) => k * power).find((x) => x <= most) || power;
-    const [unit, name] = [[1e3, "km"], [1, "m"], [1e-2, "cm"], [1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"]].find(
-      ([size]) => long >= size * (1 - 1e-9)) || [1, "m"]; // prettier-ignore
+    const [unit, name] = [
+      [1e3, "km"],
+      [1, "m"],
+      [1e-2, "cm"],
+      [1e-3, "mm"],
+      [1e-6, "µm"],
+      [1e-9, "nm"],
+    ].find(([size]) => long >= size * (1 - 1e-9)) || [1, "m"];
     const bar = $("scale");
     bar.hidden = false;
     bar.dataset.metres = long;
     bar.firstElementChild.textContent =
-      (long < 1e-10 || long >= 1e7 ? long.toExponential(0) + " m" : Number((long / unit).toPrecision(3)) + " " + name);
+      long < 1e-10 || long >= 1e7 ? long.toExponential(0) + " m" : Number((long / unit).toPrecision(3)) + " " + name;
     bar.lastElementChild.style.width = long / metres + "px";
   }
 
@@ -305,7 +327,9 @@ function makePicture(page) {
   function showAxes() {
     const turn = camera.quaternion.clone().inverse();
     const lines = ["x", "y", "z"].map((axis, c) => {
-      const p = new THREE.Vector3(...[0, 1, 2].map((k) => (k === c ? 1 : 0))).applyQuaternion(root.quaternion).applyQuaternion(turn);
+      const p = new THREE.Vector3(...[0, 1, 2].map((k) => (k === c ? 1 : 0)))
+        .applyQuaternion(root.quaternion)
+        .applyQuaternion(turn);
       const at = (r) => [r * p.x, -r * p.y].map((x) => x.toFixed(1));
       const [x, y] = at(19),
         [u, v] = at(26);
@@ -377,7 +401,10 @@ function makePicture(page) {
       const [low, high] = points.reduce(([x, y], p) => [Math.min(x, p[c]), Math.max(y, p[c])], [Infinity, -Infinity]);
       return (low + high) / 2;
     });
-    return { middle, radius: points.reduce((most, p) => Math.max(most, Math.hypot(...p.map((x, c) => x - middle[c]))), 0) };
+    return {
+      middle,
+      radius: points.reduce((most, p) => Math.max(most, Math.hypot(...p.map((x, c) => x - middle[c]))), 0),
+    };
   }
 
   // As near to a pair as its crossing or gap and the smaller body allow: a small body on a plate is not lost.
@@ -395,7 +422,8 @@ function makePicture(page) {
       small = radius(a) < radius(b) ? a : b;
     let ends = [place(a), place(b)];
     if (measured && measured.gap && measured.gap.from) ends = [measured.gap.from, measured.gap.to];
-    else if (measured && measured.pairs && Math.max(radius(a), radius(b)) > 3 * radius(small)) ends = [contact().middle, place(small)];
+    else if (measured && measured.pairs && Math.max(radius(a), radius(b)) > 3 * radius(small))
+      ends = [contact().middle, place(small)];
     if (!ends[0] || !ends[1]) return;
     const axis = seen(ends[1]).sub(seen(ends[0])).normalize(),
       part = direction.dot(axis),
@@ -406,7 +434,13 @@ function makePicture(page) {
         .cross(axis)
         .addScaledVector(direction, 0.3)
         .addScaledVector(axis, -0.3 * part);
-    if (aside.length() > 1e-3) direction.copy(aside.normalize().addScaledVector(axis, part < 0 ? -0.2 : 0.2).normalize());
+    if (aside.length() > 1e-3)
+      direction.copy(
+        aside
+          .normalize()
+          .addScaledVector(axis, part < 0 ? -0.2 : 0.2)
+          .normalize(),
+      );
   }
 
   let flight = 0;
@@ -422,7 +456,7 @@ function makePicture(page) {
       camera.position.lerpVectors(from.position, to.position, s);
       controls.update();
       draw();
-      if (t < 1) flight = requestAnimationFrame(tick);
+      flight = t < 1 ? requestAnimationFrame(tick) : 0;
     };
     tick(start);
   }
@@ -454,6 +488,7 @@ function makePicture(page) {
   renderer.domElement.addEventListener("pointerdown", (e) => {
     down = e.isPrimary && e.button === 0 ? [e.clientX, e.clientY] : null;
     cancelAnimationFrame(flight);
+    flight = 0;
   });
   renderer.domElement.addEventListener("pointerup", (e) => {
     if (!down || Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 5) return;
@@ -487,5 +522,5 @@ function makePicture(page) {
   resize();
   reach = ball(all).radius;
   fly(all, true);
-  return { update, fly, setUp, pixel, all: () => fly(all) };
+  return { update, fly, setUp, pixel, still: () => !flight && !asked, all: () => fly(all) };
 }

@@ -3,17 +3,34 @@
 // every candidate is looked at, nothing is left out early. A test compares it with the answers of the file. Only
 // sines, cosines and their inverses may differ from the pipeline's, in the last bit; `tie` tells how near that is to
 // deciding.
-//
-// A body is { name, fixed, q, t, mesh } in metres, a mesh { name, corners, index, ball, proxies }: its vertices one
-// after another, the nominal radius of a sphere, else 0, and by label what stands for it in a method: { kind, balls,
-// corners, index }.
+// Bodies are those of shapes.js.
 "use strict";
 
 const sees = (() => {
   const { sub, add, dot, cross, along, length } = vectors;
-  const AXES = ["x", "y", "z"];
-  const MOST_POINTS = 1e6; // of a body; more would take seconds, and would be a fog
-  const MOST_WORK = 5e8; // comparisons of a pair, some seconds
+  const {
+    AXES,
+    boxOf,
+    localBox,
+    half,
+    sampled,
+    placed,
+    worldBox,
+    euler,
+    rotation,
+    turnedXyz,
+    signs,
+    turnedCorners,
+    turnedAway,
+    turnedExtents,
+    boxFaces,
+    drawnBox,
+    cornersOf,
+    boxAbout,
+    list,
+  } = shapes;
+  const MOST_WORK = 5e8; // distances or vectors of a pair, a second or two
+  const MOST_TRIANGLES = 2e6; // pairs of triangles of a pair, some seconds
 
   // ---- numbers in words
 
@@ -27,197 +44,6 @@ const sees = (() => {
   const degrees = (x) => Number(((x * 180) / Math.PI).toFixed(1)) + "°";
   const many = (n, what) => `${n.toLocaleString("en")} ${what}${n === 1 ? "" : "s"}`;
   const triple = (p) => p.map((x) => digits(x, 3)).join(", ");
-
-  // ---- of a mesh; kept with it, for all bodies of it
-
-  function kept(mesh, key, make) {
-    if (!mesh.kept) mesh.kept = new Map();
-    if (!mesh.kept.has(key)) mesh.kept.set(key, make());
-    return mesh.kept.get(key);
-  }
-
-  function localBox(mesh) {
-    return kept(mesh, "box", () => boxOf(mesh.corners));
-  }
-
-  function boxOf(flat) {
-    const low = [Infinity, Infinity, Infinity],
-      high = [-Infinity, -Infinity, -Infinity];
-    for (let i = 0; i < flat.length; ++i) {
-      const c = i % 3;
-      if (flat[i] < low[c]) low[c] = flat[i];
-      if (flat[i] > high[c]) high[c] = flat[i];
-    }
-    return { low, high };
-  }
-
-  // Half extents: a box about the body's position, not about the middle of its vertices.
-  function half(mesh) {
-    const { low, high } = localBox(mesh);
-    return low.map((x, c) => Math.max(Math.abs(x), Math.abs(high[c])));
-  }
-
-  function surface(mesh) {
-    const { low, high } = localBox(mesh),
-      [a, b, c] = sub(high, low);
-    return 2 * (a * b + b * c + c * a);
-  }
-
-  // Into how many parts each edge is cut, so that there are facetsPerArea facets a square metre.
-  function parts(mesh, facetsPerArea) {
-    const facets = mesh.index.length / 3,
-      wanted = facetsPerArea * surface(mesh);
-    if (!(facets < wanted)) return 1;
-    let n = Math.ceil(Math.sqrt(wanted / facets));
-    while (n > 1 && facets * (n - 1) * (n - 1) >= wanted) --n;
-    while (facets * n * n < wanted) ++n;
-    return n;
-  }
-
-  const vertex = (mesh, i) => [mesh.corners[3 * i], mesh.corners[3 * i + 1], mesh.corners[3 * i + 2]];
-
-  // The barycentre of facet number f of the mesh whose facets are cut into n x n.
-  function facetPoint(mesh, f, n) {
-    const whole = Math.floor(f / (n * n)),
-      inner = f - whole * n * n,
-      corner = [0, 1, 2].map((c) => vertex(mesh, mesh.index[3 * whole + c]));
-    const at = (k, j) => {
-      if (k === 0) return corner[0];
-      if (k === n && j === 0) return corner[1];
-      if (k === n && j === n) return corner[2];
-      return [0, 1, 2].map((c) => ((n - k) * corner[0][c] + (k - j) * corner[1][c] + j * corner[2][c]) / n);
-    };
-    const k = Math.floor(Math.sqrt(inner)), // row k has 2 k + 1 facets
-      j = Math.floor((inner - k * k) / 2),
-      [p, q, r] =
-        (inner - k * k) % 2 === 0
-          ? [at(k, j), at(k + 1, j), at(k + 1, j + 1)]
-          : [at(k, j), at(k + 1, j + 1), at(k, j + 1)];
-    return [0, 1, 2].map((c) => (p[c] + q[c] + r[c]) / 3);
-  }
-
-  // { points: the chosen facet points one after another, facets: of how many facets, stride }, mesh frame; `points` is
-  // null when they are too many for a page.
-  function sampled(mesh, { facetsPerArea, stride, dense, inflate = 1 }) {
-    return kept(mesh, JSON.stringify(["sampled", facetsPerArea, stride, dense, inflate]), () => {
-      const n = dense ? parts(mesh, facetsPerArea) : 1,
-        facets = (mesh.index.length / 3) * n * n;
-      if (!stride) {
-        const wanted = facetsPerArea * surface(mesh);
-        stride = wanted > 0 ? Math.min(facets, Math.max(1, Math.floor(facets / wanted))) : 1;
-      }
-      const count = facets === 0 ? 0 : 1 + Math.floor((facets - 1) / stride);
-      if (count > MOST_POINTS) return { points: null, count, facets, stride };
-      const points = new Float64Array(3 * count);
-      for (let i = 0; i < count; ++i) points.set(facetPoint(mesh, i * stride, n).map((x) => x * inflate), 3 * i);
-      return { points, count, facets, stride };
-    });
-  }
-
-  // ---- of a body
-
-  function rotation([w, x, y, z]) {
-    return [
-      [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-      [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-      [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ];
-  }
-
-  function placed(body, flat) {
-    const out = new Float64Array(flat.length),
-      [r, s, u] = rotation(body.q),
-      t = body.t;
-    for (let i = 0; i < flat.length; i += 3) {
-      const x = flat[i],
-        y = flat[i + 1],
-        z = flat[i + 2];
-      out[i] = r[0] * x + r[1] * y + r[2] * z + t[0];
-      out[i + 1] = s[0] * x + s[1] * y + s[2] * z + t[1];
-      out[i + 2] = u[0] * x + u[1] * y + u[2] * z + t[2];
-    }
-    return out;
-  }
-
-  const worldBox = (body) => boxOf(placed(body, body.mesh.corners));
-
-  // Babylon.js's Euler angles of a quaternion, R = Ry Rx Rz.
-  function euler([w, x, y, z]) {
-    const s = y * z - x * w;
-    if (s < -0.4999999) return [Math.PI / 2, 2 * Math.atan2(y, w), 0];
-    if (s > 0.4999999) return [-Math.PI / 2, 2 * Math.atan2(y, w), 0];
-    return [
-      Math.asin(-2 * s),
-      Math.atan2(2 * (z * x + y * w), z * z - x * x - y * y + w * w),
-      Math.atan2(2 * (x * y + z * w), -z * z - x * x + y * y + w * w),
-    ];
-  }
-
-  // Turned about x, then y, then z, which is not the order of the angles: obb_corners' and obb_triangles' published turn.
-  function turnedXyz([x, y, z], angles) {
-    const [[sx, cx], [sy, cy], [sz, cz]] = angles.map((a) => [Math.sin(a), Math.cos(a)]);
-    const y1 = y * cx - z * sx,
-      z1 = z * cx + y * sx,
-      x2 = x * cy + z1 * sy;
-    return [x2 * cz - y1 * sz, y1 * cz + x2 * sz, z1 * cy - x * sy];
-  }
-
-  const signs = (h) => [0, 1, 2, 3, 4, 5, 6, 7].map((k) => h.map((x, c) => ((k >> c) & 1 ? x : -x)));
-
-  // The corners of the box that obb_corners and obb_triangles think is the body's, about its position.
-  function turnedCorners(body) {
-    const angles = euler(body.q);
-    return signs(half(body.mesh)).map((p) => turnedXyz(p, angles));
-  }
-
-  // By how much that box is turned away from the body: the angle between the two rotations.
-  function turnedAway(body) {
-    const angles = euler(body.q),
-      r = rotation(body.q);
-    let trace = 0; // of R^T T
-    for (let c = 0; c < 3; ++c) {
-      const column = turnedXyz([0, 1, 2].map((k) => (k === c ? 1 : 0)), angles);
-      for (let k = 0; k < 3; ++k) trace += r[k][c] * column[k];
-    }
-    return Math.acos(Math.min(1, Math.max(-1, (trace - 1) / 2)));
-  }
-
-  // One corner turned three times, without signs: rotated_aabb's extents.
-  function turnedExtents(body) {
-    let [x, y, z] = half(body.mesh);
-    const [ex, ey, ez] = euler(body.q);
-    const turn = (u, v, angle) => {
-      const r = Math.sqrt(u * u + v * v);
-      if (r === 0) return [0, 0];
-      const alpha = Math.asin(Math.min(u / r, 1));
-      return [Math.abs(r * Math.sin(angle + alpha)), Math.abs(r * Math.cos(angle + alpha))];
-    };
-    [x, y] = turn(x, y, ez);
-    [z, x] = turn(z, x, ey);
-    [y, z] = turn(y, z, ex);
-    return [x, y, z];
-  }
-
-  // ---- what is drawn: { lines: [[p, q]], faces: [[p, q, r]], points: [p], balls: [[centre, radius]] }, world, metres
-
-  const BOX_EDGES = [0, 1, 2].flatMap((c) => [0, 1, 2, 3, 4, 5, 6, 7].filter((k) => !((k >> c) & 1)).map((k) => [k, k | (1 << c)]));
-  // The 12 outer triangles of a box by its corners; bits 0, 1, 2 of a corner's number: plus on x, y, z.
-  const BOX_TRIANGLES = [
-    [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5], [0, 1, 5], [0, 5, 4],
-    [2, 6, 7], [2, 7, 3], [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6],
-  ]; // prettier-ignore
-
-  const boxLines = (corners) => BOX_EDGES.map(([i, k]) => [corners[i], corners[k]]);
-  const boxFaces = (corners) => BOX_TRIANGLES.map((t) => t.map((i) => corners[i]));
-  const drawnBox = (corners) => ({ lines: boxLines(corners), faces: boxFaces(corners) });
-  const cornersOf = ({ low, high }) => signs([1, 1, 1]).map((s) => s.map((x, c) => (x > 0 ? high[c] : low[c])));
-  const boxAbout = (t, h) => ({ low: sub(t, h), high: add(t, h) });
-
-  function list(flat) {
-    const out = [];
-    for (let i = 0; i < flat.length; i += 3) out.push([flat[i], flat[i + 1], flat[i + 2]]);
-    return out;
-  }
 
   // ---- comparisons. Each gives { hit, tie, because, rows: [[what, value]], marks }. `tie`: by which part of the lengths
   // involved the deciding comparison was clear. `marks` is drawn as above and shows what decided.
@@ -253,7 +79,10 @@ const sees = (() => {
       : `${wording} overlap on x, y and z, least on ${AXES[least]} by ${metres(of[least])}`;
     return {
       because,
-      rows: [...of.map((x, c) => [`on ${AXES[c]}`, x < 0 ? `apart by ${metres(-x)}` : `overlap ${metres(x)}`]), ...more],
+      rows: [
+        ...of.map((x, c) => [`on ${AXES[c]}`, x < 0 ? `apart by ${metres(-x)}` : `overlap ${metres(x)}`]),
+        ...more,
+      ],
     };
   }
 
@@ -300,7 +129,12 @@ const sees = (() => {
       q = worldBox(b),
       of = apartBy(p, q),
       hit = [0, 1, 2].every((c) => p.low[c] <= q.high[c] && q.low[c] <= p.high[c]);
-    return { hit, tie: Math.min(...of.map(Math.abs)) / lengths(a, b), ...overlaps(of, "the boxes of the vertices"), marks: gapBar(p, q) };
+    return {
+      hit,
+      tie: Math.min(...of.map(Math.abs)) / lengths(a, b),
+      ...overlaps(of, "the boxes of the vertices"),
+      marks: gapBar(p, q),
+    };
   }
 
   // ---- obb_sat
@@ -375,7 +209,12 @@ const sees = (() => {
       rows: [
         ["1. balls", `${metres(length(between))} apart, radii together ${metres(reach)}`],
         ["2. world boxes", overlaps(of, "they").because],
-        ["3. 15 axes", parted.length ? `${parted.length} part, farthest ${narrow[0]}: ${metres(-width)}` : `none parts, least ${narrow[0]}: ${metres(width)}`],
+        [
+          "3. 15 axes",
+          parted.length
+            ? `${parted.length} part, farthest ${narrow[0]}: ${metres(-width)}`
+            : `none parts, least ${narrow[0]}: ${metres(width)}`,
+        ],
       ],
       marks: boxes ? {} : gapBar(wa, wb),
     };
@@ -396,7 +235,9 @@ const sees = (() => {
 
   const awayRow = (body) => {
     const angle = turnedAway(body);
-    return angle > 1e-6 ? [[`box of ${body.name}`, `turned ${degrees(angle)} away from the body: angles in another order`]] : [];
+    return angle > 1e-6
+      ? [[`box of ${body.name}`, `turned ${degrees(angle)} away from the body: angles in another order`]]
+      : [];
   };
 
   function obbCorners(a, b) {
@@ -408,10 +249,15 @@ const sees = (() => {
       const count = out.filter((x) => x <= 0).length;
       return [
         `corners of ${of.name}`,
-        count ? `${count} of 8 in the box of ${inside.name}` : `none in the box of ${inside.name}, the nearest ${metres(Math.min(...out))} out`,
+        count
+          ? `${count} of 8 in the box of ${inside.name}`
+          : `none in the box of ${inside.name}, the nearest ${metres(Math.min(...out))} out`,
       ];
     };
-    const dots = (of, out) => turnedCorners(of).map((p) => add(p, of.t)).filter((_, i) => out[i] <= 0);
+    const dots = (of, out) =>
+      turnedCorners(of)
+        .map((p) => add(p, of.t))
+        .filter((_, i) => out[i] <= 0);
     return {
       hit,
       tie: Math.abs(nearest) / lengths(a, b),
@@ -450,16 +296,22 @@ const sees = (() => {
     for (let i = 0; i < 3 && !(most > enough); ++i)
       for (let j = 0; j < 3; ++j) {
         const axis = cross(e[i], f[j]);
-        look(axis, i === 0 ? 0 : dot(axis, e0), i === 1 ? 0 : dot(axis, e1), dot(axis, d),
-             j === 0 ? 0 : dot(axis, f0), j === 1 ? 0 : dot(axis, f1)); // prettier-ignore
+        look(
+          axis,
+          i === 0 ? 0 : dot(axis, e0),
+          i === 1 ? 0 : dot(axis, e1),
+          dot(axis, d),
+          j === 0 ? 0 : dot(axis, f0),
+          j === 1 ? 0 : dot(axis, f1),
+        );
       }
     return most;
   }
 
   // The first pair of triangles that `test` does not part, or the one that it parts least: { gap, pair }; null when that
   // is too much work.
-  function triangles(of, against, test, work) {
-    if (of.length * against.length * work > MOST_WORK) return null;
+  function triangles(of, against, test) {
+    if (of.length * against.length > MOST_TRIANGLES) return null;
     const best = { gap: Infinity, pair: null };
     for (const s of of)
       for (const t of against) {
@@ -479,14 +331,23 @@ const sees = (() => {
         ? `${test} does not part this pair of triangles`
         : `${test} parts every pair of triangles; the nearest by ${metres(best.gap)}`,
       rows,
-      marks: best.pair ? { faces: best.pair, lines: best.pair.flatMap(([p, q, r]) => [[p, q], [q, r], [r, p]]) } : {}, // prettier-ignore
+      marks: best.pair
+        ? {
+            faces: best.pair,
+            lines: best.pair.flatMap(([p, q, r]) => [
+              [p, q],
+              [q, r],
+              [r, p],
+            ]),
+          }
+        : {},
     };
   }
 
   const boxTriangles = (body) => boxFaces(turnedCorners(body).map((p) => add(p, body.t)));
 
   function obbTriangles(a, b) {
-    const best = triangles(boxTriangles(a), boxTriangles(b), elevenAxes, 11);
+    const best = triangles(boxTriangles(a), boxTriangles(b), elevenAxes);
     return triangleAnswer(a, b, best, "the test on 11 axes", [
       ["compared", "12 × 12 triangles of the turned boxes' surfaces"],
       ...awayRow(a),
@@ -511,7 +372,9 @@ const sees = (() => {
       own = body.mesh.index.length / 3;
     return [
       `facets of ${body.name}`,
-      `${many(count, "point")} of ${facets.toLocaleString("en")}${stride > 1 ? `, every ${stride}th` : ""}${facets > own ? ` (made denser, its mesh has ${own.toLocaleString("en")})` : ""}`,
+      `${many(count, "point")} of ${facets.toLocaleString("en")}` +
+        (stride > 1 ? `, every ${stride}th` : "") +
+        (facets > own ? ` (made denser, its mesh has ${own.toLocaleString("en")})` : ""),
     ];
   };
 
@@ -521,7 +384,8 @@ const sees = (() => {
     const rows = [facetRow(a, knobs), facetRow(b, knobs)],
       [one, other] = [a, b].map((body) => chosen(body, knobs));
     if (!one.points || !other.points) return tooMany(rows);
-    if (!one.count || !other.count) return { hit: false, tie: 1, because: "a body without facets has no points", rows, marks: {} };
+    if (!one.count || !other.count)
+      return { hit: false, tie: 1, because: "a body without facets has no points", rows, marks: {} };
     const [small, large] = [placed(a, one.points), placed(b, other.points)].sort((p, q) => p.length - q.length);
     // What is nearest to the small set is no farther from its box's middle than its nearest known point allows.
     const { low, high } = boxOf(small),
@@ -548,7 +412,7 @@ const sees = (() => {
       if (looked > MOST_WORK) return tooMany(rows);
       for (let i = 0; i < small.length; i += 3) {
         const d = square(small, i, large, k);
-        if (d < best) (best = d), (pair = [i, k]);
+        if (d < best) ((best = d), (pair = [i, k]));
       }
     }
     const limit = knobs.max_distance,
@@ -557,7 +421,7 @@ const sees = (() => {
     return {
       hit,
       tie: Math.abs(nearest - limit) / lengths(a, b),
-      because: `the nearest two facet points are ${metres(nearest)} apart, ${hit ? "nearer than" : "not nearer than"} ${metres(limit)}`,
+      because: `the nearest two facet points are ${metres(nearest)} apart, ${hit ? "" : "not "}nearer than ${metres(limit)}`,
       rows,
       marks: { lines: [[[...small.subarray(pair[0], pair[0] + 3)], [...large.subarray(pair[1], pair[1] + 3)]]] },
     };
@@ -567,25 +431,40 @@ const sees = (() => {
     const rows = [facetRow(a, knobs), facetRow(b, knobs)],
       [one, other] = [a, b].map((body) => chosen(body, knobs));
     if (!one.points || !other.points || one.count * other.count > MOST_WORK / 3) return tooMany(rows);
-    if (!one.count || !other.count) return { hit: false, tie: 1, because: "a body without facets has no points", rows, marks: {} };
+    if (!one.count || !other.count)
+      return { hit: false, tie: 1, because: "a body without facets has no points", rows, marks: {} };
     const from = placed(a, one.points),
       to = placed(b, other.points);
     let hit = null,
-      tie = Infinity;
+      tie = Infinity,
+      marks = {};
     const told = [];
-    for (const [u, v, w] of [[0, 1, 2], [1, 2, 0], [2, 0, 1]]) { // prettier-ignore
+    for (const [u, v, w] of [
+      [0, 1, 2],
+      [1, 2, 0],
+      [2, 0, 1],
+    ]) {
       const ways = new Set();
-      let third = Infinity;
+      let third = Infinity,
+        pair = [0, 0];
       for (let i = 0; i < from.length; i += 3)
         for (let k = 0; k < to.length; k += 3) {
           ways.add((to[k + u] > from[i + u] ? 1 : 0) + (to[k + v] > from[i + v] ? 2 : 0));
-          third = Math.min(third, Math.abs(to[k + w] - from[i + w]));
+          const across = Math.abs(to[k + w] - from[i + w]);
+          if (across < third) ((third = across), (pair = [i, k]));
         }
       const plane = AXES[u] + AXES[v],
         short = third < knobs.max_third;
       if (ways.size === 4) tie = Math.min(tie, Math.abs(third - knobs.max_third));
-      if (ways.size === 4 && short && !hit) hit = plane;
-      rows.push([`plane ${plane}`, `${ways.size} of 4 quadrants; least |${AXES[w]}| ${metres(third)}, ${short ? "shorter" : "not shorter"} than ${metres(knobs.max_third)}`]);
+      if (ways.size === 4 && short && !hit) {
+        hit = plane;
+        marks = { lines: [[[...from.subarray(pair[0], pair[0] + 3)], [...to.subarray(pair[1], pair[1] + 3)]]] };
+      }
+      rows.push([
+        `plane ${plane}`,
+        `${ways.size} of 4 quadrants; least |${AXES[w]}| ${metres(third)}, ` +
+          `${short ? "" : "not "}shorter than ${metres(knobs.max_third)}`,
+      ]);
       told.push([plane, ways.size, short]);
     }
     const nearly = told.filter(([, ways]) => ways === 4).map(([plane]) => plane);
@@ -594,7 +473,7 @@ const sees = (() => {
       : nearly.length
         ? `the vectors face all four ways in the plane ${nearly.join(" and ")}, but are too long across it`
         : "in no plane do the vectors between the points face all four ways";
-    return { hit: hit !== null, tie: Math.min(1, tie / lengths(a, b)), because, rows, marks: {} };
+    return { hit: hit !== null, tie: Math.min(1, tie / lengths(a, b)), because, rows, marks };
   }
 
   function sampledTriangles(body, knobs) {
@@ -606,21 +485,27 @@ const sees = (() => {
     return out;
   }
 
-  function envelopes(a, b, knobs, test, name, work) {
+  function envelopes(a, b, knobs, test, name) {
     const rows = [facetRow(a, knobs), facetRow(b, knobs)];
     if ([a, b].some((body) => !chosen(body, knobs).points)) return tooMany(rows);
     const [one, other] = [a, b].map((body) => sampledTriangles(body, knobs));
-    rows.push(["triangles", `${one.length.toLocaleString("en")} × ${other.length.toLocaleString("en")} (${knobs.triangles}, ${knobs.inflate} times the body)`]);
+    rows.push([
+      "triangles",
+      `${one.length.toLocaleString("en")} × ${other.length.toLocaleString("en")} ` +
+        `(${knobs.triangles}, ${knobs.inflate} times the body)`,
+    ]);
     const empty = [a, b].filter((_, i) => ![one, other][i].length);
     if (empty.length)
       return {
         hit: false,
         tie: 1,
-        because: empty.map((body) => `${body.name} has ${many(chosen(body, knobs).count, "sampled point")}, so no triangle`).join("; "),
+        because: empty
+          .map((body) => `${body.name} has ${many(chosen(body, knobs).count, "sampled point")}, so no triangle`)
+          .join("; "),
         rows,
         marks: {},
       };
-    const best = triangles(one, other, test, work);
+    const best = triangles(one, other, test);
     return best ? triangleAnswer(a, b, best, name, rows) : tooMany(rows);
   }
 
@@ -660,7 +545,7 @@ const sees = (() => {
           y = t.map((p) => dot(d, p)),
           gap = Math.max(Math.min(...y) - Math.max(...x), Math.min(...x) - Math.max(...y));
         if (gap > most) most = gap;
-        if (most > enough) return (last = k), most;
+        if (most > enough) return ((last = k), most);
       }
       return most;
     };
@@ -694,7 +579,9 @@ const sees = (() => {
   // Sweep along x, which ends at the first ball apart: `all` are the bodies of the step that are there, by number.
   function cannonSap(a, b, knobs, all) {
     const answer = cannonBalls(a, b),
-      order = [...all.entries()].filter(([, body]) => body).map(([number, body]) => ({ number, body, from: lowest(body) }));
+      order = [...all.entries()]
+        .filter(([, body]) => body)
+        .map(([number, body]) => ({ number, body, from: lowest(body) }));
     order.sort((p, q) => p.from - q.from || p.number - q.number);
     const places = [a, b].map((body) => order.findIndex((entry) => entry.body === body)),
       first = Math.min(...places),
@@ -705,21 +592,33 @@ const sees = (() => {
     const breaks = order
       .slice(first + 1, second + 1)
       .find(({ body }) => !(start.fixed && body.fixed) && !(begins(body) < end));
-    answer.rows.unshift(["sweep along x", `from ${start.name}, whose ball ends at x = ${metres(end)}, ${many(second - first, "place")} on to ${order[second].body.name}`]);
+    answer.rows.unshift([
+      "sweep along x",
+      `from ${start.name}, whose ball ends at x = ${metres(end)}, ` +
+        `${many(second - first, "place")} on to ${order[second].body.name}`,
+    ]);
     if (!breaks) return answer;
     answer.tie = Math.min(answer.tie, Math.abs(begins(breaks.body) - end) / lengths(a, b));
-    const where = breaks.body === order[second].body ? "" : `, ${many(second - order.indexOf(breaks), "place")} before ${order[second].body.name}`;
+    const where =
+      breaks.body === order[second].body
+        ? ""
+        : `, ${many(second - order.indexOf(breaks), "place")} before ${order[second].body.name}`;
     return {
       ...answer,
       hit: false,
-      because: `the sweep ends at ${breaks.body.name}, whose ball begins at x = ${metres(begins(breaks.body))}${where}${answer.hit ? "; the balls do overlap" : ""}`,
+      because:
+        `the sweep ends at ${breaks.body.name}, whose ball begins at x = ${metres(begins(breaks.body))}${where}` +
+        (answer.hit ? "; the balls do overlap" : ""),
     };
   }
 
   // ---- what the file has in place of meshes, by label: balls, a capsule's two ends, or closed surfaces
 
   const placedBalls = (body, { balls }) =>
-    Array.from({ length: balls.length / 4 }, (_, i) => [[...placed(body, balls.subarray(4 * i, 4 * i + 3))], balls[4 * i + 3]]);
+    Array.from({ length: balls.length / 4 }, (_, i) => [
+      [...placed(body, balls.subarray(4 * i, 4 * i + 3))],
+      balls[4 * i + 3],
+    ]);
 
   function proxyView(body, proxy) {
     const found = { lines: [], faces: [], points: [], balls: proxy.balls ? placedBalls(body, proxy) : [] };
@@ -748,7 +647,10 @@ const sees = (() => {
 
   function wrapRow(body, { outside_share: share, outside_greatest: greatest }) {
     if (typeof share !== "number") return [];
-    const out = share > 0 ? `${digits(100 * share, 3)} % of its vertices are outside, at most ${metres(greatest)}` : "holds all vertices";
+    const out =
+      share > 0
+        ? `${digits(100 * share, 3)} % of its vertices are outside, at most ${metres(greatest)}`
+        : "holds all vertices";
     return [[`proxy of ${body.name}`, out]];
   }
 
@@ -764,9 +666,18 @@ const sees = (() => {
       const found = measure(proxySurface(a, p), proxySurface(b, q));
       if (!found) return tooMany(rows);
       if (found.pairs)
-        return { hit: true, tie: 1, because: `${many(found.pairs, "pair")} of the proxies' triangles cross`, rows, marks: { lines: found.segments } };
+        return {
+          hit: true,
+          tie: 1,
+          because: `${many(found.pairs, "pair")} of the proxies' triangles cross`,
+          rows,
+          marks: { lines: found.segments },
+        };
       const { distance, from, to } = found.gap;
-      return { ...unknown(`the proxies' surfaces are ${metres(distance)} apart, or one lies in the other`, rows), marks: { lines: [[from, to]] } };
+      return {
+        ...unknown(`the proxies' surfaces are ${metres(distance)} apart, or one lies in the other`, rows),
+        marks: { lines: [[from, to]] },
+      };
     }
     if (!p.balls || !q.balls) return unknown("its proxies are of different kinds", rows);
     const [one, other] = [placedBalls(a, p), placedBalls(b, q)];
@@ -782,7 +693,10 @@ const sees = (() => {
     } else for (const [from, r] of one) for (const [to, t] of other) look(from, r, to, t);
     const hit = best.gap <= 0,
       what = capsules ? "the capsules" : "the nearest two balls";
-    const to = length(sub(best.to, best.from)) > 0 ? sub(best.to, best.from).map((x) => x / length(sub(best.to, best.from))) : [1, 0, 0];
+    const to =
+      length(sub(best.to, best.from)) > 0
+        ? sub(best.to, best.from).map((x) => x / length(sub(best.to, best.from)))
+        : [1, 0, 0];
     return {
       hit,
       tie: Math.abs(best.gap) / lengths(a, b),
@@ -804,13 +718,25 @@ const sees = (() => {
   const envelope = (body, knobs) => {
     if (!chosen(body, knobs).points) return {};
     const faces = sampledTriangles(body, knobs);
-    return { ...points(body, knobs), faces, lines: faces.flatMap(([p, q, r]) => [[p, q], [q, r], [r, p]]) }; // prettier-ignore
+    return {
+      ...points(body, knobs),
+      faces,
+      lines: faces.flatMap(([p, q, r]) => [
+        [p, q],
+        [q, r],
+        [r, p],
+      ]),
+    };
   };
   const turnedBox = (body) => turnedCorners(body).map((p) => add(p, body.t));
 
   // compare(a, b, knobs, all), view(body, knobs), presets: knobs of a prefilter, and what: the words of the page.
   const METHODS = {
-    obb_sat: { what: "the boxes of the vertices, turned with the bodies", compare: obbSat, view: (body) => drawnBox(orientedBox(body).corners) },
+    obb_sat: {
+      what: "the boxes of the vertices, turned with the bodies",
+      compare: obbSat,
+      view: (body) => drawnBox(orientedBox(body).corners),
+    },
     bounding_sphere: {
       what: "balls of the half diagonal about the positions",
       compare: (a, b) => balls(a, b, length(half(a.mesh)), length(half(b.mesh)), (reach, apart) => reach > apart),
@@ -827,7 +753,11 @@ const sees = (() => {
       compare: facetDistance,
       view: points,
     },
-    obb_corners: { what: "the corners of the turned boxes", compare: obbCorners, view: (body) => ({ ...drawnBox(turnedBox(body)), points: turnedBox(body) }) },
+    obb_corners: {
+      what: "the corners of the turned boxes",
+      compare: obbCorners,
+      view: (body) => ({ ...drawnBox(turnedBox(body)), points: turnedBox(body) }),
+    },
     facet_vectors: {
       what: "points of sampled facets, and the vectors between them",
       presets: { ...FILTER, stride: 20, max_third: 0.5, densify: false },
@@ -838,12 +768,19 @@ const sees = (() => {
       what: "the triangles of the turned boxes",
       presets: FILTER,
       compare: obbTriangles,
-      view: (body) => ({ faces: boxTriangles(body), lines: boxTriangles(body).flatMap(([p, q, r]) => [[p, q], [q, r], [r, p]]) }), // prettier-ignore
+      view: (body) => ({
+        faces: boxTriangles(body),
+        lines: boxTriangles(body).flatMap(([p, q, r]) => [
+          [p, q],
+          [q, r],
+          [r, p],
+        ]),
+      }),
     },
     facet_triangles: {
       what: "triangles between points of sampled facets",
       presets: ENVELOPE,
-      compare: (a, b, knobs) => envelopes(a, b, knobs, elevenAxes, "the test on 11 axes", 11),
+      compare: (a, b, knobs) => envelopes(a, b, knobs, elevenAxes, "the test on 11 axes"),
       view: envelope,
     },
     facet_rotations: {
@@ -851,14 +788,21 @@ const sees = (() => {
       presets: { ...ENVELOPE, angle_step: 10 },
       compare: (a, b, knobs) => {
         const directions = grid(knobs.angle_step);
-        // Nearly every pair is given up after some directions.
-        return envelopes(a, b, knobs, rotated(directions), `the test along ${directions.length} directions`, 20);
+        return envelopes(a, b, knobs, rotated(directions), `the test along ${directions.length} directions`);
       },
       view: envelope,
     },
-    aabb: { what: "boxes of the vertices along the world's axes", compare: worldBoxes, view: (body) => drawnBox(cornersOf(worldBox(body))) },
+    aabb: {
+      what: "boxes of the vertices along the world's axes",
+      compare: worldBoxes,
+      view: (body) => drawnBox(cornersOf(worldBox(body))),
+    },
     cannon_naive: { what: "the engine's balls about the positions", compare: cannonBalls, view: ball(nominal) },
-    cannon_sap: { what: "the engine's balls about the positions, swept along x", compare: cannonSap, view: ball(nominal) },
+    cannon_sap: {
+      what: "the engine's balls about the positions, swept along x",
+      compare: cannonSap,
+      view: ball(nominal),
+    },
   };
 
   const SURFACES = ["exact", "exact_cold", "fcl_bvh", "all_triangles"];
@@ -876,14 +820,21 @@ const sees = (() => {
     const method = METHODS[name],
       known = { ...(method ? method.presets : {}), ...knobs },
       pair = [a, b].map((body) => body.mesh.proxies[label]);
-    const filter = known.prefilter && known.prefilter !== "none" ? { name: known.prefilter, answer: compare(known.prefilter, {}, a, b, { all, short }) } : null;
+    const filter =
+      known.prefilter && known.prefilter !== "none"
+        ? { name: known.prefilter, answer: compare(known.prefilter, {}, a, b, { all, short }) }
+        : null;
     const stopped = filter !== null && filter.answer.hit === false;
     if (stopped && short) return { ...filter.answer, filter };
     const own = pair.every(Boolean)
       ? proxies(a, b, pair)
       : method
         ? method.compare(a, b, known, all)
-        : unknown(SURFACES.includes(name) ? "it compares the surfaces themselves, as they are drawn" : "what it compares is not known to this page");
+        : unknown(
+            SURFACES.includes(name)
+              ? "it compares the surfaces themselves, as they are drawn"
+              : "what it compares is not known to this page",
+          );
     if (!filter) return own;
     const hit = stopped || own.hit === false ? false : filter.answer.hit === null ? null : own.hit;
     return {

@@ -33,7 +33,8 @@
   const name = (body) => data.bodies[body].name;
   const listed = data.containment === "record" ? ["fn", "fp", "inside", "tp"] : ["fn", "fp", "tp"];
 
-  // x y z of the middle of the body's mesh, in drawn coordinates (data.unit metres about data.centre); null when it is not there.
+  // x y z of the middle of the body's mesh, in drawn coordinates (data.unit metres about data.centre); null when it is
+  // not there.
   function place(body, k = state.k) {
     const i = 7 * (k * data.bodies.length + body);
     return isFinite(poses[i + 4]) && isFinite(poses[i]) ? [poses[i + 4], poses[i + 5], poses[i + 6]] : null;
@@ -229,7 +230,8 @@
     const kind = kindOf(pair),
       [a, b] = pair,
       rows = [];
-    const here = place(a) && place(b);
+    const here = place(a) && place(b),
+      asked = isAsked(pair);
     const head = element(
       "div",
       { style: "display:flex;gap:7px;align-items:center" },
@@ -242,20 +244,26 @@
       "truth",
       !here
         ? "not both are there at this step"
-        : within
-          ? "one lies inside the other"
-          : met
-            ? "they meet"
-            : "they do not meet",
+        : !asked
+          ? "not asked about: " +
+            (pair.every((b) => data.bodies[b].fixed) ? "two fixed bodies are no pair" : "neither body was chosen")
+          : within
+            ? "one lies inside the other"
+            : met
+              ? "they meet"
+              : "they do not meet",
     ]);
     if (measured && measured.pairs)
       rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn in black`]);
     else if (measured && measured.gap)
-      rows.push(["surfaces", `${number(measured.gap.distance * data.unit)} m apart${within ? " (inside)" : ""}, drawn in black`]);
+      rows.push([
+        "surfaces",
+        `${number(measured.gap.distance * data.unit)} m apart${within ? " (inside)" : ""}, drawn in black`,
+      ]);
     return [
       head,
       table(rows),
-      ...(here ? [...why(pair, met), everyone(pair, met)] : []),
+      ...(here && asked ? [...why(pair, met), everyone(pair, met)] : []),
       element(
         "div",
         { class: "row" },
@@ -266,6 +274,9 @@
       ),
     ];
   }
+
+  const isAsked = ([a, b]) =>
+    !(data.bodies[a].fixed && data.bodies[b].fixed) && (data.bodies[a].asked || data.bodies[b].asked);
 
   // What an algorithm of the file says of a pair at this step, and of what kind that is when it is wrong.
   function says(one, pair, met) {
@@ -284,12 +295,22 @@
     const { hit, wrong } = says(one, pair, met);
     const filter = seen.filter;
     let because = seen.because;
-    if (seen.stopped)
-      because = `because its prefilter ${filter.name} is: ${filter.answer.because}`;
-    const made = element("div", { class: "why" }, element("strong", {}, one.label, " ", verb(hit), " ", wrong ? sign(wrong) : ""));
+    if (seen.stopped) because = `because its prefilter ${filter.name} is: ${filter.answer.because}`;
+    const made = element(
+      "div",
+      { class: "why" },
+      element("strong", {}, one.label, " ", verb(hit), " ", wrong ? sign(wrong) : ""),
+    );
     made.append(element("div", {}, because));
     if (seen.hit !== null && seen.hit !== hit)
-      made.append(element("div", { class: "soft" }, `Computed again here it ${seen.hit ? "would report it" : "would be silent"}: the comparison is decided by the last bits of its numbers, or by what this page does not have.`));
+      made.append(
+        element(
+          "div",
+          { class: "soft" },
+          `Computed again here it ${seen.hit ? "would report it" : "would be silent"}: the comparison is decided by the ` +
+            "last bits of its numbers, or by what this page does not have.",
+        ),
+      );
     if (state.sees && (sees.what(one.name) || meshes.some((mesh) => mesh.proxies[one.label])))
       made.append(
         element(
@@ -304,8 +325,21 @@
           " what decides.",
         ),
       );
-    if (filter) made.append(table([[`${filter.name} first`, `${verb(filter.answer.hit !== false)}: ${filter.answer.because}`], ...filter.answer.rows]));
-    const own = seen.stopped ? [[`${one.name} alone`, seen.own === null ? seen.because : `would ${seen.own ? "report it" : "be silent"}: ${seen.because}`]] : [];
+    if (filter)
+      made.append(
+        table([
+          [`${filter.name} first`, `${verb(filter.answer.hit !== false)}: ${filter.answer.because}`],
+          ...(seen.stopped ? filter.answer.rows : []),
+        ]),
+      );
+    const own = seen.stopped
+      ? [
+          [
+            `${one.name} alone`,
+            seen.own === null ? seen.because : `would ${seen.own ? "report it" : "be silent"}: ${seen.because}`,
+          ],
+        ]
+      : [];
     if (own.length || seen.rows.length) made.append(table([...own, ...seen.rows]));
     return [made];
   }
@@ -322,7 +356,12 @@
           .map(({ one, i, wrong }) =>
             element(
               "button",
-              { class: "chip", "data-says": hit ? "reports" : "silent", "aria-pressed": String(i === state.algorithm), onclick: () => setAlgorithm(i) },
+              {
+                class: "chip",
+                "data-says": hit ? "reports" : "silent",
+                "aria-pressed": String(i === state.algorithm),
+                onclick: () => setAlgorithm(i),
+              },
               one.label,
               wrong ? sign(wrong) : "",
             ),
@@ -531,13 +570,27 @@
     for (const kind of ["fn", "fp"]) {
       const { total, first, most, many } = whole[kind];
       const line = element("div", { class: "row" }, sign(kind), `${total.toLocaleString("en")} in the whole run`);
-      if (first !== null) line.append(link(kind, first, first === most ? `first and most, ${many}: step ${first}` : `first: step ${first}`));
+      if (first !== null)
+        line.append(
+          link(kind, first, first === most ? `first and most, ${many}: step ${first}` : `first: step ${first}`),
+        );
       if (first !== most) line.append(link(kind, most, `most, ${many}: step ${most}`));
       box.append(line);
     }
     if (!far.size) return;
     const lines = [...far].sort((p, q) => p - q).map((step) => element("code", {}, command(step)));
-    box.append(element("details", {}, element("summary", {}, `Not in this page: step${far.size > 1 ? "s" : ""} ${[...far].sort((p, q) => p - q).join(", ")}`), ...lines));
+    box.append(
+      element(
+        "details",
+        {},
+        element(
+          "summary",
+          {},
+          `Not in this page: step${far.size > 1 ? "s" : ""} ${[...far].sort((p, q) => p - q).join(", ")}`,
+        ),
+        ...lines,
+      ),
+    );
   }
 
   // Goes to a step and to its first pair of the kind.
@@ -566,7 +619,8 @@
       choose,
       now: () => now,
       measured: () => measured,
-      seen: () => (state.sees && state.chosen ? { bodies: state.chosen.map(viewed), marks: seen ? seen.marks : {} } : null),
+      seen: () =>
+        state.sees && state.chosen ? { bodies: state.chosen.map(viewed), marks: seen ? seen.marks : {} } : null,
       toDrawn,
       contained: () => contained.at(state.k),
     });
@@ -598,7 +652,8 @@
     next_fp: () => goWrong(1, ["fp"]),
   };
   for (const [id, act] of Object.entries(actions)) $(id).addEventListener("click", act);
-  for (const id of ["back", "forth", "previous_fn", "next_fn", "previous_fp", "next_fp"]) $(id).addEventListener("click", () => play(false));
+  for (const id of ["back", "forth", "previous_fn", "next_fn", "previous_fp", "next_fp"])
+    $(id).addEventListener("click", () => play(false));
   $("speed").addEventListener("change", () => state.playing && play(true));
 
   function setAlgorithm(index) {
@@ -714,7 +769,7 @@
       const [fp, fn, inside] = [one.fp, one.fn, one.inside].map((list) => keys(list.at(k)));
       for (let a = 0; a < all.length; ++a)
         for (let b = a + 1; b < all.length; ++b) {
-          if (!all[a] || !all[b] || (all[a].fixed && all[b].fixed)) continue;
+          if (!all[a] || !all[b] || !isAsked([a, b])) continue;
           const pair = [a, b],
             id = key(pair),
             said = fp.has(id) || inside.has(id) || (met.has(id) && !fn.has(id)),
@@ -739,6 +794,11 @@
     viewed,
     body: (b) => body(b, state.k),
     recount,
+    rest: () =>
+      new Promise((done) => {
+        const look = () => requestAnimationFrame(picture && !picture.still() ? look : done);
+        look();
+      }),
     drawn: (b) => Array.from({ length: meshes[data.bodies[b].mesh].vertices.length / 3 }, (_, i) => solid(b).vertex(i)),
     name,
     pixel: (b) => picture.pixel(b),

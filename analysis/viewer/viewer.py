@@ -20,7 +20,7 @@ THREE_JS = [
     pathlib.Path("/usr/share/javascript/three/three.min.js"),
     pathlib.Path("/usr/share/javascript/three/examples/js/controls/OrbitControls.js"),
 ]
-SCRIPTS = ("vectors", "decode", "measure", "sees", "picture", "viewer")  # beside this file, in this order
+SCRIPTS = ("vectors", "decode", "measure", "shapes", "sees", "picture", "viewer")  # beside this file, in this order
 AROUND = 60  # steps shown on either side when no window is asked for: two seconds of the thesis's scenes in all
 USUAL_BYTES = 8 << 20  # such a window becomes shorter rather than larger than this
 MOST_BYTES = 64 << 20  # a window that is asked for is refused above: phones fail to open larger pages
@@ -108,7 +108,8 @@ def step_page(path, step=None, label=None, window=None, unsealed=False):
             raise Unfit(f"--step {step}: is not among --steps {first}:{end}")
         size = _window_bytes(run, first, end)
     with run.opened() as file:
-        size += sum(24 * mesh["vertices"].shape[0] + 12 * mesh["triangles"].shape[0] for mesh in file["meshes"].values())
+        for mesh in file["meshes"].values():
+            size += 24 * mesh["vertices"].shape[0] + 12 * mesh["triangles"].shape[0]
     if size > MOST_BYTES:
         raise Unfit(f"{path}: meshes and steps {first}:{end} would make a page of {size / 2**20:.0f} MiB, at most "
                     f"{MOST_BYTES >> 20} are possible; fewer --steps make it smaller")
@@ -184,6 +185,7 @@ def _page_data(run, first, end):
             contained = _pair_sets(file["truth"], first, end, "contained_offset", "contained_pair")
         answers = {name: _pair_sets(file[f"answers/{name}"], first, end) for name in run.meta["algorithms"]}
         mesh_of = list(file["bodies/mesh"].asstr()[()])
+        asked = file["bodies/chosen"][()] if "chosen" in file["bodies"] else np.ones(len(mesh_of))
         names = sorted(set(mesh_of))
         meshes = [_mesh(name, file[f"meshes/{name}"]) for name in names]
     if containment == "meet":
@@ -227,7 +229,7 @@ def _page_data(run, first, end):
         "meshes": meshes,
         "bodies": [
             {"name": name, "mesh": number[b], "fixed": bool(row.fixed), "big": bool(big[b]),
-             "born": int(row.first_step)}
+             "born": int(row.first_step), "asked": bool(asked[b])}
             for b, (name, row) in enumerate(table.iterrows())
         ],
         "position": _base64(position.astype("<f8")),
