@@ -295,11 +295,12 @@ def label_ends(axes, ends, gap=12):
         end = np.clip(place[i], low, high)
         tie = {"arrowstyle": "-", "color": look["color"], "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
         tie |= {"linestyle": look.get("linestyle", "-"), "relpos": (0, 0.5)}
+        gid = {"gid": look["gid"]} if "gid" in look else {}
         axes.annotate(text, (1, (end - low) / (high - low)), xycoords="axes fraction", xytext=(TIE, y - end),
-                      textcoords="offset points", va="center", color=look["color"], fontsize=9, arrowprops=tie)
+                      textcoords="offset points", va="center", color=look["color"], fontsize=9, arrowprops=tie, **gid)
         if look.get("marker"):
             middle = axes.transAxes + ScaledTranslation((TIE - 5) / 72, (y - end) / 72, axes.figure.dpi_scale_trans)
-            mark = {"color": look["color"], "marker": look["marker"], "markersize": 5, "linestyle": "none"}
+            mark = {"color": look["color"], "marker": look["marker"], "markersize": 5, "linestyle": "none"} | gid
             axes.add_artist(Line2D([1], [(end - low) / (high - low)], transform=middle, clip_on=False, **mark))
 
 

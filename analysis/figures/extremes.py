@@ -31,7 +31,7 @@ def sections(runs):
                                   ("shape", "", extremes.error_by_shape)):
             parts.append(guarded(f"Error by {word}", by_figure, run, word, unit, table, f"{key}-{word}"))
         parts.append(guarded("Instability", instability_table, run))
-        found.append(Section(f"{pareto.title(run)}: where answers fail", parts))
+        found.append(Section(f"{pareto.title(run)}: where answers fail", parts, pareto.title(run)))
     return found
 
 

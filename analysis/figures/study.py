@@ -52,10 +52,10 @@ def sections(runs, beside=None):
     for count, run in enumerate(runs):
         key = f"study-{count}-{slug(pareto.name(run))}"
         if run.study is not None:
-            found.append(Section(f"{pareto.title(run)}: integrators", study_parts(run, beside, key)))
+            found.append(Section(f"{pareto.title(run)}: integrators", study_parts(run, beside, key),
+                                 pareto.title(run)))
         elif run.physics is not None and run.meta["steps"] > 1:
-            found.append(Section(f"{pareto.title(run)}: drift of the motion",
-                                 [guarded("Drift", drift_figure, run, key)]))
+            found.append(Section("Drift of the motion", [guarded("Drift", drift_figure, run, key)], pareto.title(run)))
     return found
 
 

@@ -189,7 +189,7 @@ def statements(table):
         for name in group.point:
             try:
                 run = load(os.path.join(table.attrs["folder"], "points", name + ".h5"))
-                kind = scenes.kind(run)
+                kind = scenes.thesis_kind(run)
                 if kind in OF_STATEMENTS and kind not in found:
                     found[kind] = scenes.playground(run) if kind == "playground" else scenes.timed(run)
             except (OSError, KeyError, ValueError, RuntimeError) as error:
