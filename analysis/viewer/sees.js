@@ -373,7 +373,7 @@ const sees = (() => {
     return [
       `facets of ${body.name}`,
       `${many(count, "point")} of ${facets.toLocaleString("en")}` +
-        (stride > 1 ? `, every ${stride}th` : "") +
+        (stride > 1 ? `, one in ${stride.toLocaleString("en")}` : "") +
         (facets > own ? ` (made denser, its mesh has ${own.toLocaleString("en")})` : ""),
     ];
   };
