@@ -414,6 +414,37 @@ def test_of_every_pair_the_picture_measures_what_the_truth_says(page):
     assert counts == []
 
 
+def segment_distance(p, q, r, s):
+    """The distance of the segments p q and r s: it is at the lines' nearest points, or at an end of one."""
+
+    def from_end(end, p, q):
+        d = q - p
+        t = np.clip((end - p) @ d / (d @ d), 0, 1) if d @ d else 0
+        return np.linalg.norm(end - (p + t * d))
+
+    found = [from_end(p, r, s), from_end(q, r, s), from_end(r, p, q), from_end(s, p, q)]
+    d, e = q - p, s - r
+    if np.linalg.norm(np.cross(d, e)) > 1e-9:
+        t, u = np.linalg.lstsq(np.column_stack([d, -e]), r - p, rcond=None)[0]
+        if 0 <= t <= 1 and 0 <= u <= 1:
+            found.append(np.linalg.norm(p + t * d - (r + u * e)))
+    return min(found)
+
+
+def test_nearest_points_of_segments_are_nearest_also_of_points_and_parallels(page):
+    seed = 20261129
+    print(f"seed {seed}")
+    random = np.random.default_rng(seed)
+    cases = random.uniform(-1, 1, (300, 4, 3))
+    cases[100:150, 1] = cases[100:150, 0]  # the first is a point
+    cases[150:200, 3] = cases[150:200, 2]  # the second
+    cases[200:220, 1::2] = cases[200:220, ::2]  # both
+    cases[220:, 3] = cases[220:, 2] + random.uniform(-1, 1, (80, 1)) * (cases[220:, 1] - cases[220:, 0])  # parallel
+    nearest = np.array(page.evaluate(f"{cases.tolist()}.map(c => measure.between(...c))"))
+    told = np.linalg.norm(nearest[:, 0] - nearest[:, 1], axis=1)
+    np.testing.assert_allclose(told, [segment_distance(*case) for case in cases], rtol=0, atol=1e-9)
+
+
 def test_it_works_on_a_phone_without_scrolling_sideways(result_file, tmp_path):
     text = page_of(result_file, step=60)
     with opened(text, tmp_path, width=390, height=844, phone=True) as page:
