@@ -6,7 +6,11 @@
 #include "algorithms/beyond/all_triangles.hpp"
 #include "algorithms/beyond/capsule.hpp"
 #include "algorithms/beyond/convex_hull.hpp"
+#include "algorithms/beyond/facet_gjk.hpp"
+#include "algorithms/beyond/facet_surface.hpp"
+#include "algorithms/beyond/hulls.hpp"
 #include "algorithms/beyond/octree.hpp"
+#include "algorithms/beyond/proxy.hpp"
 #include "algorithms/beyond/spheres.hpp"
 #include "algorithms/cannon_naive.hpp"
 #include "algorithms/cannon_sap.hpp"
@@ -47,8 +51,12 @@ std::vector<Algorithm> table() {
       convex_hull(),      //
       spheres(),          //
       capsule(),          //
+      hulls(),            //
+      proxy(),            //
       octree(),           //
       all_triangles(),    //
+      facet_surface(),    //
+      facet_gjk(),        //
       fcl_bvh(),          //
   };
   std::ranges::move(plugin_peers(), std::back_inserter(out));

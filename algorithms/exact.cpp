@@ -1,6 +1,6 @@
 #include "algorithms/exact.hpp"
 
-#include "algorithms/deciding.hpp"
+#include "algorithms/parts/deciding.hpp"
 
 namespace algorithms {
 

@@ -5,17 +5,18 @@ the file, 4 a file that is missing, not a result or cannot be written.
 """
 
 import argparse
+import contextlib
 import os
 import sys
 import warnings
 
-from analysis.tables import scenes, study_tables
-from analysis.viewer import viewer
-from analysis.intact import Unvouched
-from analysis.load import SWEEP, load, load_sweep
-from analysis.output import open_standard_descriptors, refuse, say, visible, write
-from analysis.tables.clauses import shown
-from analysis.tables.statements import verdicts
+from .tables import scenes, study_tables
+from .viewer import viewer
+from .intact import Unvouched
+from .load import SWEEP, load, load_sweep
+from .output import open_standard_descriptors, refuse, say, visible, write
+from .tables.clauses import shown
+from .tables.statements import PUBLISHED, verdicts
 
 KINDS = ("box", "falling", "playground")
 
@@ -31,7 +32,8 @@ def main(arguments=None):
     words = "results; those of one motion and truth are drawn together. Or a sweep: its folder, or files of its points"
     command.add_argument("file", nargs="+", help=words)
     command.add_argument("-o", "--output", default="report.html", help="the page (default: report.html)")
-    command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output, chosen.unsealed))
+    command.add_argument("--figures", metavar="DIR", help="also each figure as SVG, PNG and CSV, named by its anchor")
+    command.set_defaults(act=lambda chosen: write_report(chosen.file, chosen.output, chosen.unsealed, chosen.figures))
     command = commands.add_parser("study", help="orders, stability and recommendation of a study; drift of a long run")
     command.add_argument("file", help="result of a study of integrators, or of an integrated scene")
     command.set_defaults(act=lambda chosen: say(studied(chosen.file, chosen.unsealed)))
@@ -59,15 +61,23 @@ def complain(text):
     print(visible(" ".join(str(text).split())), file=sys.stderr)
 
 
-def write_report(paths, output, unsealed=False):
-    """The page of the results at `paths`, whole or not at all; prints where it is. Only a page is overwritten."""
+def write_report(paths, output, unsealed=False, figures=None):
+    """The page of the results at `paths`, whole or not at all; prints where it is. Only a page is overwritten. figures:
+    the folder for its figures as files."""
     refuse(output)  # before the work
+    if figures and os.path.lexists(figures) and not os.path.isdir(figures):
+        raise NotADirectoryError(f"{figures}: exists and is no folder; --figures names one")
     table = swept(paths)
     runs = [] if table is not None else [read(path, unsealed) for path in paths]
-    from analysis.report.report import report, sweep_report  # matplotlib is slow to load, and nothing above needs it
+    from .figures.figure import with_png  # matplotlib is slow to load, and nothing above needs it
+    from .report import report
 
-    write(output, report(runs) if table is None else sweep_report(table))
+    with with_png() if figures else contextlib.nullcontext():
+        made = report.parts_of(runs) if table is None else report.sweep_parts(table)
+    write(output, report.page(*made))
     say(output)
+    if figures:
+        say(f"{figures}: {report.write_figures(made[-1], figures)} figures")
 
 
 def swept(paths):
@@ -109,20 +119,32 @@ def read(path, unsealed=False):
 
 def opened(paths, unsealed=False):
     """kind of scene -> what the statements ask of it. Raises OSError or ValueError, which name the file."""
-    found = {}
+    found, runs = {}, []
     for path in paths:
         try:
-            run = load(path, unsealed).completed()
-            kind = scenes.kind(run)
-            if kind not in KINDS:
-                raise ValueError(f"is of a {kind or 'study, not a'} scene; the statements are about {', '.join(KINDS)}")
-            if kind in found:
-                raise ValueError(f"is a second file of a {kind} scene")
-            found[kind] = scenes.playground(run) if kind == "playground" else scenes.timed(run)
+            runs.append((path, load(path, unsealed).completed()))
         except (OSError, KeyError, ValueError) as error:
-            message = str(error)
-            raise ValueError(message if message.startswith(path) else f"{path}: {message}") from error
+            raise ValueError(named(path, error)) from error
+    beside = scenes.companions([run for _, run in runs])
+    for path, run in runs:
+        try:
+            kind = scenes.thesis_kind(run)
+            if kind not in KINDS:
+                other = scenes.kind(run)
+                other = f"{other} scene that the thesis does not have" if other else "study, not a scene"
+                raise ValueError(f"is of a {f'{kind} scene' if kind else other}; the statements are about {', '.join(KINDS)}")
+            name = kind + PUBLISHED if beside.get(kind) is run else kind
+            if name in found:
+                raise ValueError(f"is a second file of a {kind} scene")
+            found[name] = scenes.playground(run) if kind == "playground" else scenes.timed(run)
+        except (OSError, KeyError, ValueError) as error:
+            raise ValueError(named(path, error)) from error
     return found
+
+
+def named(path, error):
+    message = str(error)
+    return message if message.startswith(path) else f"{path}: {message}"
 
 
 def table(found):

@@ -22,11 +22,11 @@ import tempfile
 import h5py
 import numpy as np
 
-from analysis.load import load
-from analysis.output import say
-from analysis.tables import pareto
+from .load import load
+from .output import say
+from .program import default_program
+from .tables import pareto
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 FACTORS = (0.25, 0.5, 2, 4)  # of a knob's preset, the first time
 FILTERS = ("none", "aabb", "bounding_sphere", "obb_sat", "cannon_naive")  # fast ones
 LEAVE_OUT = {"containment", "search"}  # the question itself; the same answers by another way
@@ -64,7 +64,7 @@ def parsed(arguments):
     parser.add_argument("-o", "--output", metavar="FRONT.toml", required=True)
     parser.add_argument("--steps", type=int, default=60, help="how many are replayed (60)")
     parser.add_argument("--keep", type=int, default=40, help="labels in FRONT.toml beside the presets, at most (40)")
-    parser.add_argument("--program", default=os.path.join(ROOT, "build", "pipeline"))
+    parser.add_argument("--program", default=default_program())
     return parser.parse_args(arguments)
 
 

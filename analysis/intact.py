@@ -36,21 +36,21 @@ SEAL_BYTES = len(SEAL % (b"0" * 32, 0))
 # What counts for digests: what the program writes. Own datasets belong at other places, and do not count.
 ROOT = ("step", "time", "body", "algorithm")
 GROUPS = ("bodies", "meshes", "motion", "physics", "truth", "results", "answers", "summary", "noise", "passes",
-          "extremes", "study")
+          "extremes", "study", "proxies")
 DIGESTED = ("motion", "truth", "answers")  # carry digests of their own
 TEXTS = {"title", "creator", "git_commit", "build_type", "compiler", "flags", "library_versions", "config_sha256",
          "inputs_sha256", "digest", "digest_algorithm", "effective", "shape", "name", "knobs", "promise", "thesis_key",
-         "operations_unit", "scope", "library", "host", "processor", "build", "date", "containment", "status"}
+         "operations_unit", "scope", "library", "host", "processor", "build", "date", "containment", "status", "kind"}
 NUMBERS = {"schema_version", "rate", "wall_time_s", "gap_margin", "quaternion_drift", "surface_deviation",
            "contact_deviation", "closed", "ratio", "ratio_low", "ratio_high", "pinned", "setup_ns", "memory_bytes",
-           "memory_greatest_bytes"}
+           "memory_greatest_bytes", "outside_share", "outside_greatest"}
 OBJECTS = {"library_versions", "inputs_sha256", "knobs", "shape"}  # JSON
 MEASURED = ("_ns", "_bytes")  # ends of names that no digest counts: clocks and heap
 MOST_NESTED = 32  # levels of it; ours have at most 3
 
 MOST_INFLATION = 1032  # bytes that deflate makes of one
 MOST_STEPS = 10_000_000  # no configuration can ask for more
-MOST_DEPTH = 30  # of groups; ours: /meshes/<name>/vertices
+MOST_DEPTH = 30  # of groups; ours: /meshes/<name>/proxies/<label>/vertices
 # What reading an honest file may take, with a processor ten times slower than today's.
 FREE_MEMORY, MEMORY_PER_BYTE, MEMORY_PER_VALUE_BYTE = 256 << 20, 16, 6
 FREE_SECONDS, SLOW_BYTES, SLOW_VALUE_BYTES = 2, 1 << 20, 20 << 20
@@ -232,6 +232,10 @@ def _groups(file):
                 for part, inner in group.items():
                     if isinstance(inner, h5py.Group):
                         yield f"/{name}/{part}", inner
+                    proxies = inner.get("proxies") if name == "meshes" and isinstance(inner, h5py.Group) else None
+                    for label, proxy in (proxies or {}).items():
+                        if isinstance(proxy, h5py.Group):
+                            yield f"/{name}/{part}/proxies/{label}", proxy
 
 
 def check_attributes(path, attributes):
@@ -244,7 +248,7 @@ def check_attributes(path, attributes):
         if name in OBJECTS:
             if not _is_object(value):
                 raise ValueError(f"attribute {name} of {path}: is no JSON object")
-    if path.startswith("/meshes/") and "shape" not in attributes:
+    if path.startswith("/meshes/") and "/proxies/" not in path and "shape" not in attributes:
         raise ValueError(f"attribute shape of {path}: is missing")
 
 

@@ -7,6 +7,7 @@
     passes                  the playground: how early or late each algorithm is, one row per pass and algorithm
     physics                 one row per step of an integrated motion
     bodies, motion          one row per body; poses as arrays
+    proxies, proxy(label, mesh)     what methods test in place of meshes, and how far these stick out of it
     study                   one row per case of a study of integrators
     timed_on, unlike        which machine timed what, of a run that several shared
 
@@ -28,8 +29,8 @@ import h5py
 import numpy as np
 import pandas as pd
 
-from analysis import intact
-from analysis.tables.intervals import Interval
+from . import intact
+from .tables.intervals import Interval
 
 SCHEMA_VERSION = 1  # the newest that this module knows
 SWEEP = "sweep.json"  # what makes a folder one of a sweep
@@ -266,6 +267,33 @@ class Run:
                 "facets": [shapes[name][2] for name in mesh],
             }
         return pd.DataFrame(table, index=pd.Index(self.meta["bodies"], name="body"))
+
+    @cached_property
+    def proxies(self):
+        """What methods test in place of meshes: one row per label and mesh; None when no method does.
+
+        Columns: label, mesh, kind ("balls", "capsule", "solids" or "none"), reason (why there is none), parts (balls or
+        closed surfaces); of the vertices of the mesh outside_share (1) and outside_greatest (m, certified), 0 where the
+        proxy holds all of them, NaN where there is none.
+        """
+        with self.opened() as file:
+            if "proxies" not in file:
+                return None
+        table = pd.DataFrame(self._columns("proxies"))
+        return table[table["label"].isin(self.meta["algorithms"])].reset_index(drop=True)
+
+    def proxy(self, label, mesh):
+        """The shape that a label tests in place of a mesh, in the mesh's own frame, m: dict of kind and balls (K,4: x,
+        y, z, radius; of a capsule its two ends), or vertices (V,3), triangles (T,3) and solid_offset (of solid i those
+        from solid_offset[i] to solid_offset[i + 1] - 1). Raises KeyError where there is none.
+        """
+        with self.opened() as file:
+            path = f"meshes/{mesh}/proxies/{label}"
+            if path not in file:
+                raise KeyError(f"{self.path}: '{label}' has nothing in place of mesh '{mesh}'")
+            group = file[path]
+            shape = {name: data[()] for name, data in group.items() if not h5py.h5ds.is_scale(data.id)}
+            return {"kind": group.attrs["kind"]} | shape
 
     @cached_property
     def motion(self):

@@ -19,15 +19,15 @@ import sys
 import numpy as np
 import pandas as pd
 
-from analysis.figures.figure import Figure, Points, Section, Table, figure, style, svg_of
-from analysis.load import load
-from analysis.output import say
-from analysis.report.page import page
-from analysis.tables import intervals
-from analysis.tables.intervals import Interval
-from analysis.words import counted, listed, number
+from .figures.figure import Figure, Points, Section, Table, figure, style, svg_of
+from .load import load
+from .output import say
+from .program import default_program
+from .report.page import page
+from .tables import intervals
+from .tables.intervals import Interval
+from .words import counted, listed, number
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 DRAWN = 12  # labels in a figure: those with the most records
 
 
@@ -40,7 +40,7 @@ def main(arguments=None):
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", metavar="FOLDER")
     parser.add_argument("files", metavar="FILE.h5", nargs="*", help="results to be kept a record of")
-    parser.add_argument("--program", default=os.path.join(ROOT, "build", "pipeline"))
+    parser.add_argument("--program", default=default_program())
     chosen = parser.parse_args(arguments)
     try:
         for file in chosen.files:

@@ -1,13 +1,16 @@
 #include "pipeline/amended.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <utility>
 
 #include "pipeline/result/product.hpp"
 #include "pipeline/result/products/extremes.hpp"
 #include "pipeline/result/products/noise.hpp"
 #include "pipeline/result/products/passes.hpp"
+#include "pipeline/result/products/proxies.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -22,6 +25,19 @@ fs::path real_path(const fs::path& file, bool unsealed) {
   const fs::path real = fs::canonical(file, missing);
   if (missing) read_result(file, unsealed);  // throws what is wrong
   return real;
+}
+
+/// What stands in place of meshes, as a run with all these labels has it.
+void add_proxies(Proxies* found, const std::set<std::string>& answered, Result& result) {
+  Proxies all;
+  if (Proxies* before = result.products.find<Proxies>()) all = std::move(*before);
+  std::erase_if(all.rows, [&](const MeshProxy& row) { return answered.contains(row.label); });
+  if (found) std::ranges::move(found->rows, std::back_inserter(all.rows));
+  std::ranges::stable_sort(all.rows, {}, [&](const MeshProxy& row) { return place_of(row.label, result); });
+  if (all.rows.empty())
+    result.products.drop<Proxies>();
+  else
+    result.products.put(std::move(all));
 }
 
 }  // namespace
@@ -58,6 +74,8 @@ Scene recorded_scene(const Result& result, const Config& config, const std::stri
 }
 
 void add(Evaluation found, Result& result) {
+  std::set<std::string> answered;
+  for (const Answers& answers : found.answers) answered.insert(answers.label);
   for (std::size_t i = 0; i < found.answers.size(); ++i) {
     const std::size_t at = place_of(found.answers[i].label, result);
     for (const Product& product : products())
@@ -70,6 +88,7 @@ void add(Evaluation found, Result& result) {
     result.answers[at] = std::move(found.answers[i]);
   }
   if (Noise* noise = found.products.find<Noise>()) result.products.put(std::move(*noise));
+  add_proxies(found.products.find<Proxies>(), answered, result);
   make_products(result);
 }
 

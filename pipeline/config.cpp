@@ -11,9 +11,11 @@
 #include <set>
 #include <sstream>
 
+#include "algorithms/contract/proxy_files.hpp"
 #include "pipeline/foreign/foreign.hpp"
 #include "pipeline/result/provenance.hpp"
 #include "pipeline/scene/document.hpp"
+#include "pipeline/scene/mesh_input.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/study/study.hpp"
 #include "pipeline/system/file_bytes.hpp"
@@ -178,6 +180,40 @@ AlgorithmChoice program_choice(const Section& s, const std::filesystem::path& fo
   return choice;
 }
 
+/// The files of a knob of Role::files: a table {mesh = "file"}, or the same as one text "mesh=file;mesh=file", as which
+/// the knob is kept.
+void read_files(const Section& s, const std::string& knob, const std::filesystem::path& folder,
+                AlgorithmChoice& choice) {
+  const std::string rule = "name a file for each mesh, e.g. {hero = \"hero_hull.obj\"}";
+  if (!s.has(knob) || s.scalar(knob) == Document::Scalar(std::string())) return;  // the preset: no file
+  choice.place = s.place(knob);
+  choice.folder = folder;
+  if (const auto value = s.scalar(knob)) {
+    if (!std::holds_alternative<std::string>(*value)) s.refuse(knob, rule);
+    std::istringstream text(std::get<std::string>(*value));
+    for (std::string one; std::getline(text, one, ';');) {
+      const std::size_t equals = one.find('=');
+      if (equals == 0 || equals == std::string::npos || equals + 1 == one.size()) s.refuse(knob, rule);
+      choice.files.push_back({one.substr(0, equals), one.substr(equals + 1),
+                              choice.place + ": '" + s.full(knob) + "." + one.substr(0, equals) + "'"});
+    }
+  } else {
+    const Section table = s.section(knob);
+    for (const std::string& mesh : table.keys())
+      choice.files.push_back({mesh, table.text(mesh, ""), place_of(table, mesh.c_str())});
+  }
+  if (choice.files.empty()) s.refuse(knob, rule);
+  std::string text;
+  std::set<std::string> taken;
+  for (const FileOfMesh& file : choice.files) {
+    if (file.written.empty() || file.written.find_first_of(";\n") != std::string::npos || !valid_label(file.mesh) ||
+        !taken.insert(file.mesh).second)
+      throw Error(kInput, file.place + " must name one file, without a semicolon in its name, for one mesh");
+    text += (text.empty() ? "" : ";") + file.mesh + "=" + file.written;
+  }
+  choice.knobs[knob] = text;
+}
+
 /// One algorithm from a table with name, label and knobs. Where nobody says whether bodies inside others are hits, it
 /// follows the truth: an exact method then keeps its promise, which is judged on the truth that scores.
 AlgorithmChoice algorithm_choice(const Section& s, Containment containment, const std::filesystem::path& folder) {
@@ -206,6 +242,10 @@ AlgorithmChoice algorithm_choice(const Section& s, Containment containment, cons
   AlgorithmChoice choice{.name = name, .label = s.text("label", name), .knobs = algorithms::presets(*row)};
   if (!valid_label(choice.label)) s.refuse("label", kLabelRule);
   for (const algorithms::Knob& knob : row->knobs) {
+    if (knob.role == algorithms::Role::files) {
+      read_files(s, knob.name, folder, choice);
+      continue;
+    }
     if (knob.role == algorithms::Role::containment) choice.knobs[knob.name] = containment == Containment::meet;
     if (s.has(knob.name)) choice.knobs[knob.name] = knob_value(s, knob);
   }
@@ -447,12 +487,34 @@ Config recorded_config(const std::string& effective, const std::string& file) {
 
 namespace {
 
+/// Reads what the files of a choice hold, and binds its row to it.
+void read_solids(AlgorithmChoice& choice, double closed_within, std::vector<std::string>& notes) {
+  SceneConfig reading;  // which knows where its files lie, and keeps their hashes
+  reading.path = choice.folder / "configuration";
+  std::map<std::string, std::vector<geometry::Mesh>> solids;
+  for (const FileOfMesh& file : choice.files) {
+    const MeshInput input = read_mesh(reading, file.written, file.place, file.mesh);
+    try {
+      solids[file.mesh] = algorithms::closed_components(input.mesh, closed_within);
+    } catch (const std::invalid_argument& error) {
+      throw Error(kInput, file.place + " must name closed surfaces, not " + in_quotes(one_line(file.written)) + ": " +
+                              error.what() + "; close it");
+    }
+  }
+  choice.inputs = reading.inputs;
+  choice.bound = std::make_shared<algorithms::Algorithm>(algorithms::proxy_of(std::move(solids)));
+  notes.insert(notes.end(), reading.notes.begin(), reading.notes.end());
+}
+
 /// The files of methods of others; what is optional and not here is left out.
 void find_methods(Config& config) {
   const auto missing = find_files(config.algorithms);
+  for (const std::string& note : read_proxies(config.algorithms, config.closed_within)) config.notes.push_back(note);
   for (const Plugin& plugin : config.plugins) config.inputs[plugin.written] = plugin.sha256;
-  for (const AlgorithmChoice& choice : config.algorithms)
+  for (const AlgorithmChoice& choice : config.algorithms) {
+    config.inputs.insert(choice.inputs.begin(), choice.inputs.end());
     if (choice.foreign) config.inputs.insert(choice.foreign->files.begin(), choice.foreign->files.end());
+  }
   for (const std::string& note : leave_out(missing, config)) config.notes.push_back(note);
 }
 
@@ -497,6 +559,13 @@ std::vector<std::string> leave_out(const std::map<std::string, std::string>& mis
   std::erase_if(config.algorithms, [&](const AlgorithmChoice& choice) { return missing.contains(choice.label); });
   if (config.algorithms.empty()) throw Error(kInput, config.path.string() + ": " + notes.front() + "; so are all");
   config.effective = effective(config);
+  return notes;
+}
+
+std::vector<std::string> read_proxies(std::vector<AlgorithmChoice>& choices, double closed_within) {
+  std::vector<std::string> notes;
+  for (AlgorithmChoice& choice : choices)
+    if (!choice.files.empty() && !choice.bound) read_solids(choice, closed_within, notes);
   return notes;
 }
 

@@ -63,4 +63,8 @@ std::map<std::string, std::string> find_files(std::vector<AlgorithmChoice>& choi
 /// them; a note for each. Throws Error(kInput) when none is left.
 std::vector<std::string> leave_out(const std::map<std::string, std::string>& missing, Config& config);
 
+/// Reads the files that stand for meshes, unless that was done already. `closed_within` as in Bodies. What should be
+/// said of them is returned, a line each. Throws Error(kInput) for one that is no closed surface.
+std::vector<std::string> read_proxies(std::vector<AlgorithmChoice>& choices, double closed_within);
+
 }  // namespace pipeline

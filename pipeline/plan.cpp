@@ -173,7 +173,7 @@ std::vector<LabelPlan> labels_of(const geometry::Bodies& bodies, const std::vect
     try {
       out.push_back({choice.label, memory_of(choice, bodies)});
     } catch (const std::invalid_argument& error) {
-      throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+      throw Error(kInput, whose(choice) + error.what());
     }
   }
   return out;

@@ -22,6 +22,7 @@
 #include "pipeline/stages/detect.hpp"
 #include "pipeline/stages/evaluate.hpp"
 #include "pipeline/stages/motion.hpp"
+#include "pipeline/stages/proxies.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/study/study.hpp"
 #include "pipeline/system/threads.hpp"
@@ -249,8 +250,15 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
     for (const std::string& note : config.notes) std::fprintf(stderr, "warning: %s\n", one_line(note, 4096).c_str());
     if (choices.empty())
       throw Error(kInput, file.string() + ": this build has none of its algorithms; name others with --algorithm");
+    const Proxies* recorded = result.products.find<Proxies>();
+    for (AlgorithmChoice& choice : choices)
+      if (!choice.files.empty() && !(recorded && bind_recorded(choice, *recorded)))
+        throw Error(kInput, file.string() + ": does not hold what stands for the meshes under the label '" +
+                                choice.label + "'; give its files with --algorithm " + choice.name + ":file=...");
   }
   find_files(choices);
+  for (const std::string& note : read_proxies(choices, config.closed_within))
+    std::fprintf(stderr, "warning: %s\n", one_line(note, 4096).c_str());
 
   check_labels(choices, result, file.string(), options.force);
   const Scene scene = recorded_scene(result, config, file.string());
@@ -264,8 +272,10 @@ Result detect_again(const fs::path& file, const std::vector<std::string>& argume
   Evaluation found = evaluate({result.bodies, result.motion, result.truth, scene, result.products}, choices,
                               timing_of(config), nullptr, options.quiet, forecast);
   add(std::move(found), result);
-  for (const AlgorithmChoice& choice : choices)
+  for (const AlgorithmChoice& choice : choices) {
+    add_inputs(nlohmann::json(choice.inputs), result);
     if (choice.foreign) add_inputs(nlohmann::json(choice.foreign->files), result);
+  }
   store(result, amended.target, options.quiet, forecast);
   return std::move(result);
 }

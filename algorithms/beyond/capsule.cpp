@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "algorithms/beyond/tight_capsule.hpp"
 #include "algorithms/contract/pairwise.hpp"
-#include "algorithms/parts/world_balls.hpp"
-#include "geometry/processor_clones.hpp"
+#include "algorithms/parts/touching_balls.hpp"
 #include "geometry/vec.hpp"
 
 namespace algorithms {
@@ -14,21 +14,6 @@ namespace {
 
 using geometry::dot;
 using geometry::Vec3;
-
-/// The balls around the capsules, by coordinate, metres.
-struct Columns {
-  std::vector<double> x, y, z, r;
-};
-
-/// 1 where the balls touch; what overflows is a hit.
-PROCESSOR_CLONES void overlap_row(const double* x, const double* y, const double* z, const double* r, std::uint32_t a,
-                                  std::uint32_t first, std::uint32_t last, std::uint8_t* hit) {
-  const double ax = x[a], ay = y[a], az = z[a], ar = r[a];
-  for (std::uint32_t b = first; b < last; ++b) {
-    const double dx = ax - x[b], dy = ay - y[b], dz = az - z[b], reach = ar + r[b];
-    hit[b - first] = !(dx * dx + dy * dy + dz * dz > reach * reach);
-  }
-}
 
 /// A segment about its middle, and how far from it the body reaches; in the world, metres.
 struct Segment {
@@ -70,67 +55,78 @@ bool capsules_touch(const Segment& a, const Segment& b, Count& count) {
   return !(gap > reach * length);
 }
 
-struct CapsuleTest {
-  CapsuleTest(const Bodies& bodies, const Knobs&) : bodies(bodies), segments(bodies.size()) {
-    for (const geometry::Mesh& mesh : bodies.meshes) {
-      const Capsule tight = tight_capsule(mesh.vertices);
-      const Vec3 half = 0.5 * tight.to - 0.5 * tight.from;
-      local.push_back({tight.from + half, half, tight.radius});
-      const double length = std::sqrt(dot(half, half));
-      reach.push_back(reach_of({local.back().middle, (length + tight.radius) * (1 + 0x1p-49)}));
-      around.push_back(length);
-    }
-    for (auto* column : {&s.x, &s.y, &s.z, &s.r}) column->resize(bodies.size());
+/// In the frame of a mesh.
+std::vector<Segment> segments_of(const Bodies& bodies) {
+  std::vector<Segment> out;
+  for (const geometry::Mesh& mesh : bodies.meshes) {
+    const Capsule tight = tight_capsule(mesh.vertices);
+    const Vec3 half = 0.5 * tight.to - 0.5 * tight.from;
+    out.push_back({tight.from + half, half, tight.radius});
   }
+  return out;
+}
+
+std::vector<Ball> balls_around(std::span<const Segment> segments) {
+  std::vector<Ball> out;
+  for (const Segment& one : segments)
+    out.push_back({one.middle, (std::sqrt(dot(one.half, one.half)) + one.radius) * (1 + 0x1p-49)});
+  return out;
+}
+
+struct CapsuleTest {
+  CapsuleTest(const Bodies& bodies, const Knobs&)
+      : bodies(bodies), local(segments_of(bodies)), whole(bodies, balls_around(local)), segments(bodies.size()) {}
 
   static Memory memory(const Bodies& bodies, const Knobs&) {
     std::uint64_t making = 0;
     for (const geometry::Mesh& mesh : bodies.meshes)
-      making = std::max(making, mesh.vertices.size() * sizeof(Vec3) +
-                                    3 * std::min<std::size_t>(mesh.vertices.size(), 500) * sizeof(Vec3));
-    const Memory held = memory_by_body(bodies, sizeof(Segment) + 4 * sizeof(double));
+      making = std::max(making,
+                        (mesh.vertices.size() + 2 * std::min<std::size_t>(mesh.vertices.size(), 500)) * sizeof(Vec3));
+    const Memory held = memory_by_body(bodies, sizeof(Segment) + touching_balls_bytes());
     return {held.held, std::max(held.held, making)};
   }
 
   void prepare(std::span<const Pose> poses, double enlarge) {
+    whole.prepare(poses, enlarge);
     for (std::uint32_t body = 0; body < poses.size(); ++body) {
       const Pose& pose = poses[body];
       if (!geometry::is_born(pose)) continue;
-      const std::uint32_t mesh = bodies.mesh[body];
+      const Segment& of = local[bodies.mesh[body]];
       const geometry::Mat3 r = geometry::rotation(pose.q);
-      Segment& at = segments[body];
-      // The rounding of the half segment and of the separation is of the size of a ball's: twice the slack.
-      const double slack = 2 * world_slack(reach[mesh], pose.t, enlarge);
-      at.middle = geometry::to_world(r, pose.t, local[mesh].middle);
-      at.half = geometry::to_world(r, Vec3::Zero(), local[mesh].half);
-      at.radius = local[mesh].radius + slack;
-      s.x[body] = at.middle.x();
-      s.y[body] = at.middle.y();
-      s.z[body] = at.middle.z();
-      s.r[body] = around[mesh] + at.radius;
+      // The rounding of the half segment and of the separation is of the size of a ball's: twice its slack.
+      segments[body] = {geometry::to_world(r, pose.t, of.middle), geometry::to_world(r, Vec3::Zero(), of.half),
+                        of.radius + 2 * whole.slack(body)};
     }
   }
 
   template <class Count>
   bool hit(std::uint32_t a, std::uint32_t b, Count& count) const {
     count += 1;
-    const double dx = s.x[a] - s.x[b], dy = s.y[a] - s.y[b], dz = s.z[a] - s.z[b], reach = s.r[a] + s.r[b];
-    return !(dx * dx + dy * dy + dz * dz > reach * reach) && capsules_touch(segments[a], segments[b], count);
+    return whole.touch(a, b) && capsules_touch(segments[a], segments[b], count);
   }
 
   void row(std::uint32_t a, std::uint32_t first, std::uint32_t last, std::uint8_t* out) const {
-    overlap_row(s.x.data(), s.y.data(), s.z.data(), s.r.data(), a, first, last, out);
+    whole.row(a, first, last, out);
     NoCount none;
     for (std::uint32_t b = first; b < last; ++b)
       if (out[b - first]) out[b - first] = capsules_touch(segments[a], segments[b], none);
   }
 
   const Bodies& bodies;
-  std::vector<Segment> local;         // one per distinct mesh
-  std::vector<double> reach, around;  // likewise, m: from the mesh's origin, from the middle to an end
-  std::vector<Segment> segments;      // of the step
-  Columns s;                          // of the step
+  std::vector<Segment> local;  // one a distinct mesh
+  TouchingBalls whole;
+  std::vector<Segment> segments;  // of the step
 };
+
+std::vector<Proxy> proxies(const Bodies& bodies, const Knobs&) {
+  std::vector<Proxy> out;
+  for (const geometry::Mesh& mesh : bodies.meshes) {
+    const Capsule tight = tight_capsule(mesh.vertices);
+    out.push_back(
+        {.kind = Proxy::Kind::capsule, .balls = {{tight.from, tight.radius}, {tight.to, tight.radius}}, .solids = {}});
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -140,7 +136,8 @@ Algorithm capsule() {
           .operations_unit = "distances",
           .promise = Promise::conservative,
           .make = make_pairwise<CapsuleTest>,
-          .memory = CapsuleTest::memory};
+          .memory = CapsuleTest::memory,
+          .proxies = proxies};
 }
 
 }  // namespace algorithms

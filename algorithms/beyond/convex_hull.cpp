@@ -66,6 +66,15 @@ struct ConvexHull {
   geometry::BallsAndBoxes rejecting;           // of the step
 };
 
+std::vector<Proxy> proxies(const Bodies& bodies, const Knobs&) {
+  std::vector<Proxy> out;
+  for (const geometry::Mesh& one : bodies.meshes)
+    out.push_back({.kind = Proxy::Kind::solids,
+                   .balls = {},
+                   .solids = {geometry::surface_with_facets(geometry::convex_of(one.vertices))}});
+  return out;
+}
+
 }  // namespace
 
 Algorithm convex_hull() {
@@ -74,7 +83,8 @@ Algorithm convex_hull() {
           .operations_unit = "balls, axis intervals and corners",
           .promise = Promise::conservative,
           .make = make_pairwise<ConvexHull>,
-          .memory = ConvexHull::memory};
+          .memory = ConvexHull::memory,
+          .proxies = proxies};
 }
 
 }  // namespace algorithms

@@ -1,7 +1,6 @@
 // Why the balls cover. Everything is computed in the unit frame (|coordinates| <= 1), u = 2^-53.
 //
-// Cells. The cells of a cut share its plane x_k = c and together are the whole box, so every point of the mesh is in
-// one.
+// Cells. The cells of a cut share its plane x_k = c and together are the whole box: every point of the mesh is in one.
 //
 // Facets. A cell keeps polygons whose points are within d of every point that a facet has in the cell. A cut keeps what
 // is within a margin s of its side: a point of the facet in the cell is on its side, what is within d <= s of it is
@@ -9,84 +8,28 @@
 // a cut. With at most n cuts one after another
 //   d <= 16 u n = 2^-49 n = s                                                                                       (1)
 //
-// Inside. Let S be the closed mesh's inside and surface, C a cell. An extreme point x of the convex hull of S and C
-// together is on the surface, hence on a facet in C, or else a corner of C: from every other place inside S one can
-// step both ways along some direction without leaving C or S. Which corners are inside S is decided exactly for the
-// vertices in the unit frame, which differ from the mesh's by 2 u: a corner for which that tells otherwise is within
-// 4 u of a facet, hence of a polygon that is kept. So what is in the cell is within d + 4 u of the ball's points, and
+// Inside. What is in a cell is in the hull of its facets and of those corners that are inside (cells.hpp). Which these
+// are is decided exactly for the vertices in the unit frame, which differ from the mesh's by 2 u: a corner for which
+// that tells otherwise is within 4 u of a facet, hence of a polygon that is kept. So what is in the cell is within
+// d + 4 u of the ball's points, and
 //   radius += 2^-49 (n + 1)                                                                                         (2)
-// covers it. Where corners were taken for one to close the mesh (geometry/decision/contain.hpp), S has facets that are
-// up to sqrt(3) closed_within from those as read: so much more.
+// covers it. Where corners were taken for one to close the mesh (geometry/decision/contain.hpp), the closed surface has
+// facets that are up to sqrt(3) closed_within from those as read: so much more.
 #include "algorithms/beyond/covering_balls.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <span>
 
-#include "geometry/decision/contain.hpp"
-#include "geometry/vec.hpp"
+#include "algorithms/beyond/cells.hpp"
 
 namespace algorithms {
 namespace {
 
 using geometry::Box;
-using geometry::dot;
 using geometry::Mesh;
 using geometry::Vec3;
-
-/// Whether points are inside a closed mesh in the unit frame; nothing is inside another.
-class Inside {
- public:
-  Inside(const Mesh& mesh, const geometry::Solid& solid, std::vector<Vec3> unit) {
-    if (!solid.closed) return;
-    mesh_.triangles = solid.surface ? solid.surface->mesh.triangles : mesh.triangles;
-    mesh_.vertices = std::move(unit);
-    bvh_ = geometry::build_bvh(mesh_);
-    boxes_.resize(bvh_.nodes.size());
-    geometry::refit(bvh_, mesh_, mesh_.vertices, boxes_);
-  }
-  bool operator()(const Vec3& p) const {
-    return !boxes_.empty() && geometry::is_inside(p, mesh_, bvh_, mesh_.vertices, boxes_);
-  }
-
- private:
-  Mesh mesh_;
-  geometry::Bvh bvh_;
-  std::vector<Box> boxes_;
-};
-
-/// Polygons, one after another.
-struct Polygons {
-  std::vector<Vec3> points;
-  std::vector<std::uint32_t> ends;
-
-  void close() {
-    if (points.size() > (ends.empty() ? 0 : ends.back())) ends.push_back(std::uint32_t(points.size()));
-  }
-};
-
-/// What of the polygons has side (x_k - at) <= 0, side being 1 or -1.
-Polygons clipped(const Polygons& polygons, int k, double at, double side) {
-  Polygons out;
-  std::uint32_t first = 0;
-  for (const std::uint32_t end : polygons.ends) {
-    for (std::uint32_t i = first; i < end; ++i) {
-      const Vec3 &p = polygons.points[i], &q = polygons.points[i + 1 < end ? i + 1 : first];
-      const double from = side * (p[k] - at), to = side * (q[k] - at);
-      if (from <= 0) out.points.push_back(p);
-      if ((from < 0 && to > 0) || (from > 0 && to < 0)) {
-        Vec3 x = p + ((at - p[k]) / (q[k] - p[k])) * (q - p);
-        x[k] = at;
-        out.points.push_back(x);
-      }
-    }
-    out.close();
-    first = end;
-  }
-  return out;
-}
 
 struct Cell {
   Box box;
@@ -96,12 +39,7 @@ struct Cell {
 
 std::optional<Cell> cell_of(const Box& box, Polygons facets, const Inside& inside) {
   Cell out{box, std::move(facets), {}};
-  std::vector<Vec3> points = out.facets.points;
-  for (int i = 0; i < 8; ++i) {
-    const Vec3 corner((i & 1 ? box.max : box.min).x(), (i & 2 ? box.max : box.min).y(),
-                      (i & 4 ? box.max : box.min).z());
-    if (inside(corner)) points.push_back(corner);
-  }
+  const std::vector<Vec3> points = points_in(box, out.facets, inside);
   if (points.empty()) return std::nullopt;
   out.ball = enclosing_ball(points);
   return out;
@@ -121,9 +59,13 @@ std::vector<Cell> cut(const Cell& cell, int k, double at, double margin, const I
 
 double cube(double x) { return x * x * x; }
 
-/// The cut that leaves the least volume of balls.
+/// The cut that leaves the least volume of balls; across the longest side where others are hardly better: of a ring the
+/// halves have balls as large as the whole's, and cuts across the thickness, hardly better, would never end.
 std::vector<Cell> best_cut(const Cell& cell, double margin, const Inside& inside) {
+  constexpr double kHardly = 0.9;
   const Box box = geometry::bounds(cell.facets.points);
+  int longest = 0;
+  if (!cell.facets.points.empty()) (box.max - box.min).maxCoeff(&longest);
   std::vector<Cell> best;
   double least = 0;
   for (int k = 0; k < 3; ++k) {
@@ -132,6 +74,7 @@ std::vector<Cell> best_cut(const Cell& cell, double margin, const Inside& inside
     std::vector<Cell> parts = cut(cell, k, at, margin, inside);
     double volume = 0;
     for (const Cell& part : parts) volume += cube(part.ball.radius);
+    if (k == longest) volume *= kHardly;
     if (best.empty() || volume < least) best = std::move(parts), least = volume;
   }
   return best;
@@ -171,29 +114,13 @@ bool is_looked_at(std::size_t n, std::size_t count) {
   return n <= 3 || n == count;
 }
 
-/// Facets, and vertices that no facet has.
-Polygons polygons_of(const Mesh& mesh, std::span<const Vec3> unit) {
-  Polygons out;
-  std::vector<std::uint8_t> used(unit.size());
-  for (const geometry::Facet& facet : mesh.triangles) {
-    for (const std::uint32_t v : facet) out.points.push_back(unit[v]), used[v] = 1;
-    out.close();
-  }
-  for (std::size_t v = 0; v < unit.size(); ++v)
-    if (!used[v]) out.points.push_back(unit[v]), out.close();
-  return out;
-}
-
 }  // namespace
 
 Covering covering_balls(const Mesh& mesh, std::size_t count, double closed_within) {
   const UnitFrame frame(mesh.vertices);
   std::vector<Vec3> unit = frame.to_unit(mesh.vertices);
   const Ball whole = enclosing_ball(unit);
-  const auto to_mesh = [&](const Ball& ball, double more) {
-    return Ball{frame.from_unit(ball.centre), (frame.from_unit(ball.radius + more) + frame.slack()) * (1 + 0x1p-52)};
-  };
-  Covering out{.whole = to_mesh(whole, 0), .balls = {}};
+  Covering out{.whole = frame.from_unit(whole), .balls = {}};
   out.balls = {out.whole};
   if (count == 1 || !(whole.radius > 0)) return out;
 
@@ -225,17 +152,10 @@ Covering covering_balls(const Mesh& mesh, std::size_t count, double closed_withi
   const double joined = solid.surface ? 1.7321 * solid.closed_within : 0;
   out.balls.clear();
   for (const Ball& ball : best) {
-    out.balls.push_back(to_mesh(ball, more));
+    out.balls.push_back(frame.from_unit(ball, more));
     out.balls.back().radius += joined;
   }
   return out;
-}
-
-std::uint64_t covering_bytes(const Mesh& mesh) {
-  // Measured: polygons of the cells and of the parts of a cut, and the hierarchy while it is built.
-  const std::uint64_t facets = mesh.triangles.size();
-  return facets * 3 * (6 * sizeof(Vec3)) + std::uint64_t(geometry::kBuildingBvh * double(geometry::bvh_bytes(facets))) +
-         mesh.vertices.size() * 2 * sizeof(Vec3);
 }
 
 }  // namespace algorithms

@@ -20,7 +20,4 @@ struct Covering {
 /// The covering of a mesh with at least one vertex. `closed_within` as in geometry::Bodies.
 Covering covering_balls(const geometry::Mesh& mesh, std::size_t count, double closed_within);
 
-/// Bytes that it takes meanwhile, about.
-std::uint64_t covering_bytes(const geometry::Mesh& mesh);
-
 }  // namespace algorithms

@@ -1,134 +1,115 @@
 #include "algorithms/beyond/spheres.hpp"
 
 #include <algorithm>
-#include <cmath>
 
+#include "algorithms/beyond/cells.hpp"
 #include "algorithms/beyond/covering_balls.hpp"
 #include "algorithms/contract/pairwise.hpp"
-#include "algorithms/parts/world_balls.hpp"
-#include "geometry/processor_clones.hpp"
+#include "algorithms/parts/touching_balls.hpp"
 
 namespace algorithms {
 namespace {
-
-using geometry::Mat3;
-using geometry::Vec3;
 
 constexpr std::int64_t kMostBalls = 1024;
 
 std::size_t count_of(const Knobs& knobs) { return static_cast<std::size_t>(value_of<std::int64_t>(knobs, "count")); }
 
-/// Balls in the world by coordinate, metres.
-struct Columns {
-  std::vector<double> x, y, z, r;
+std::vector<Covering> coverings_of(const Bodies& bodies, const Knobs& knobs) {
+  std::vector<Covering> out;
+  for (const geometry::Mesh& mesh : bodies.meshes)
+    out.push_back(covering_balls(mesh, count_of(knobs), bodies.closed_within));
+  return out;
+}
 
-  void resize(std::size_t size) {
-    for (auto* column : {&x, &y, &z, &r}) column->resize(size);
-  }
-  void set(std::size_t i, const Vec3& centre, double radius) {
-    x[i] = centre.x(), y[i] = centre.y(), z[i] = centre.z(), r[i] = radius;
-  }
-  /// Touching counts; what overflows is a hit.
-  bool overlap(std::size_t i, const Columns& of, std::size_t k) const {
-    const double dx = x[i] - of.x[k], dy = y[i] - of.y[k], dz = z[i] - of.z[k], reach = r[i] + of.r[k];
-    return !(dx * dx + dy * dy + dz * dz > reach * reach);
-  }
-};
-
-/// Columns::overlap of ball a with first ... last - 1.
-PROCESSOR_CLONES void overlap_row(const double* x, const double* y, const double* z, const double* r, std::uint32_t a,
-                                  std::uint32_t first, std::uint32_t last, std::uint8_t* hit) {
-  const double ax = x[a], ay = y[a], az = z[a], ar = r[a];
-  for (std::uint32_t b = first; b < last; ++b) {
-    const double dx = ax - x[b], dy = ay - y[b], dz = az - z[b], reach = ar + r[b];
-    hit[b - first] = !(dx * dx + dy * dy + dz * dz > reach * reach);
-  }
+std::vector<Ball> wholes(std::span<const Covering> coverings) {
+  std::vector<Ball> out;
+  for (const Covering& covering : coverings) out.push_back(covering.whole);
+  return out;
 }
 
 struct Spheres {
   Spheres(const Bodies& bodies, const Knobs& knobs)
-      : bodies(bodies), count(count_of(knobs)), slack(bodies.size()), placed(bodies.size()) {
-    for (const geometry::Mesh& mesh : bodies.meshes) {
-      coverings.push_back(covering_balls(mesh, count, bodies.closed_within));
-      reach.push_back(reach_of(coverings.back().whole));
-    }
-    whole.resize(bodies.size());
-    parts.resize(count * bodies.size());
-  }
+      : bodies(bodies),
+        coverings(coverings_of(bodies, knobs)),
+        whole(bodies, wholes(coverings)),
+        room(count_of(knobs)),
+        parts(room * bodies.size()),
+        placed(bodies.size()) {}
 
   static Memory memory(const Bodies& bodies, const Knobs& knobs) {
-    const std::size_t balls = count_of(knobs);
-    const std::uint64_t held = bodies.size() * (balls + 1) * sizeof(Ball) + bodies.size() * 2 * sizeof(double);
+    const std::uint64_t balls = count_of(knobs);
+    const std::uint64_t held = bodies.size() * (balls * sizeof(Ball) + touching_balls_bytes() + sizeof(std::uint64_t));
     std::uint64_t making = 0;
     for (const geometry::Mesh& mesh : bodies.meshes)
-      if (balls > 1) making = std::max(making, covering_bytes(mesh));
+      if (balls > 1) making = std::max(making, cutting_bytes(mesh));
     return {held, std::max(held, making)};
   }
 
   void prepare(std::span<const Pose> at, double enlarge) {
+    whole.prepare(at, enlarge);
     poses = at;
     ++step;
-    for (std::uint32_t body = 0; body < at.size(); ++body) {
-      const Pose& pose = at[body];
-      if (!geometry::is_born(pose)) continue;
-      const Ball& ball = coverings[bodies.mesh[body]].whole;
-      slack[body] = world_slack(reach[bodies.mesh[body]], pose.t, enlarge);
-      whole.set(body, geometry::to_world(geometry::rotation(pose.q), pose.t, ball.centre), ball.radius + slack[body]);
-    }
   }
 
   template <class Count>
   bool hit(std::uint32_t a, std::uint32_t b, Count& count) {
     count += 1;
-    return whole.overlap(a, whole, b) && parts_overlap(a, b, count);
+    return whole.touch(a, b) && parts_touch(a, b, count);
   }
 
   void row(std::uint32_t a, std::uint32_t first, std::uint32_t last, std::uint8_t* out) {
-    overlap_row(whole.x.data(), whole.y.data(), whole.z.data(), whole.r.data(), a, first, last, out);
+    whole.row(a, first, last, out);
     NoCount none;
     for (std::uint32_t b = first; b < last; ++b)
-      if (out[b - first]) out[b - first] = parts_overlap(a, b, none);
+      if (out[b - first]) out[b - first] = parts_touch(a, b, none);
   }
 
-  std::size_t balls(std::uint32_t body) const { return coverings[bodies.mesh[body]].balls.size(); }
+  /// The balls of a body at the step, placed when they are first asked for.
+  std::span<const Ball> balls(std::uint32_t body) {
+    const std::vector<Ball>& local = coverings[bodies.mesh[body]].balls;
+    const std::span<Ball> out = std::span(parts).subspan(body * room, local.size());
+    if (placed[body] == step) return out;
+    placed[body] = step;
+    const Pose& pose = poses[body];
+    const geometry::Mat3 r = geometry::rotation(pose.q);
+    for (std::size_t i = 0; i < local.size(); ++i)
+      out[i] = {geometry::to_world(r, pose.t, local[i].centre), local[i].radius + whole.slack(body)};
+    return out;
+  }
 
-  /// The balls of a pair whose tightest ones overlap: each of a that overlaps b's tightest against all of b.
+  /// Of a pair whose tightest balls touch: each ball of a that touches b's tightest against all of b.
   template <class Count>
-  bool parts_overlap(std::uint32_t a, std::uint32_t b, Count& count) {
-    if (balls(a) == 1 && balls(b) == 1) return true;  // the tightest
-    place(a);
-    place(b);
-    const std::size_t i_end = a * this->count + balls(a), k_end = b * this->count + balls(b);
-    for (std::size_t i = a * this->count; i < i_end; ++i) {
+  bool parts_touch(std::uint32_t a, std::uint32_t b, Count& count) {
+    const std::span<const Ball> of_a = balls(a), of_b = balls(b);
+    if (of_a.size() == 1 && of_b.size() == 1) return true;  // the tightest
+    for (const Ball& one : of_a) {
       count += 1;
-      if (!parts.overlap(i, whole, b)) continue;
-      for (std::size_t k = b * this->count; k < k_end; ++k) {
+      if (!whole.touch(one.centre, one.radius, b)) continue;
+      for (const Ball& other : of_b) {
         count += 1;
-        if (parts.overlap(i, parts, k)) return true;
+        const geometry::Vec3 d = one.centre - other.centre;
+        if (balls_touch(d.x(), d.y(), d.z(), one.radius + other.radius)) return true;
       }
     }
     return false;
   }
 
-  void place(std::uint32_t body) {
-    if (placed[body] == step) return;
-    placed[body] = step;
-    const Pose& pose = poses[body];
-    const Mat3 r = geometry::rotation(pose.q);
-    std::size_t i = body * count;
-    for (const Ball& ball : coverings[bodies.mesh[body]].balls)
-      parts.set(i++, geometry::to_world(r, pose.t, ball.centre), ball.radius + slack[body]);
-  }
-
   const Bodies& bodies;
-  std::size_t count;                  // room for so many balls a body
-  std::vector<Covering> coverings;    // one per distinct mesh
-  std::vector<double> reach, slack;   // m; of a mesh, of a body at the step
-  Columns whole, parts;               // of the step: one a body, `count` a body
-  std::vector<std::uint64_t> placed;  // the step at which a body's parts were placed
+  std::vector<Covering> coverings;  // one a distinct mesh
+  TouchingBalls whole;
+  std::size_t room;                   // for so many balls a body
+  std::vector<Ball> parts;            // of the step
+  std::vector<std::uint64_t> placed;  // the step at which a body's balls were placed
   std::uint64_t step = 0;
   std::span<const Pose> poses;
 };
+
+std::vector<Proxy> proxies(const Bodies& bodies, const Knobs& knobs) {
+  std::vector<Proxy> out;
+  for (Covering& covering : coverings_of(bodies, knobs))
+    out.push_back({.kind = Proxy::Kind::balls, .balls = std::move(covering.balls), .solids = {}});
+  return out;
+}
 
 }  // namespace
 
@@ -144,7 +125,8 @@ Algorithm spheres() {
                      .least = 1,
                      .most = kMostBalls}},
           .make = make_pairwise<Spheres>,
-          .memory = Spheres::memory};
+          .memory = Spheres::memory,
+          .proxies = proxies};
 }
 
 }  // namespace algorithms

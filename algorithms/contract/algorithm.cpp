@@ -96,6 +96,8 @@ Value checked(const Knob& knob, const Value& value) {
     if (!std::holds_alternative<double>(out)) refuse("be a number");
     if (!std::isfinite(std::get<double>(out))) refuse("be finite");
     check_range(knob, std::get<double>(out));
+  } else if (knob.role == Role::files) {
+    if (!std::holds_alternative<std::string>(value)) refuse("name a file for each mesh: \"mesh=file;mesh=file\"");
   } else {
     const auto* choice = std::get_if<std::string>(&value);
     bool known = false;

@@ -16,6 +16,7 @@
 #include <variant>
 #include <vector>
 
+#include "algorithms/contract/proxy.hpp"
 #include "geometry/bodies.hpp"
 
 namespace algorithms {
@@ -45,6 +46,7 @@ enum class Role {
   then,         // names the row that answers last and whose promise is kept; likewise
   density,      // whether facets are cut before they are sampled: only rows that sample facets have it
   containment,  // whether a body inside another is a hit: where nobody says, as in the truth that scores
+  files,        // a text "mesh=file;mesh=file": what is in the files reaches a row in a way of its own (proxy.hpp)
 };
 
 /// A parameter of an algorithm. The type of `preset` is the knob's type.
@@ -130,7 +132,10 @@ struct Algorithm {
   std::function<std::unique_ptr<Method>(const Bodies& bodies, const Knobs& knobs)> make = nullptr;
   /// What `make` would take, told from sizes alone: quick however much that is. Within a factor of 1.5 from 100 KiB on.
   /// Throws what `make` throws for knobs that do not fit the meshes. Null: not known, counted as a copy of the meshes.
-  Memory (*memory)(const Bodies& bodies, const Knobs& knobs) = nullptr;
+  std::function<Memory(const Bodies& bodies, const Knobs& knobs)> memory = nullptr;
+  /// What its methods test in place of each distinct mesh, in their order: the very shapes that `make` makes. Throws
+  /// what `make` throws. Null: the mesh itself, or nothing that stays the same from pose to pose.
+  std::function<std::vector<Proxy>(const Bodies& bodies, const Knobs& knobs)> proxies = nullptr;
 };
 
 /// What a method of the row would take, also where the row does not say.

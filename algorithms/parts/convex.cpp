@@ -100,6 +100,21 @@ bool certainly_apart(const PlacedConvex& a, const PlacedConvex& b, const Vec3& d
   return dot(d, b.at.t - a.at.t) - tops > a.margin + b.margin;
 }
 
+/// From p to the nearest point of the solid's box: 0 inside.
+Vec3 to_box(const Vec3& p, const PlacedConvex& to) {
+  const Vec3 local = turned_back(to.at.r, p - to.at.middle), &half = to.solid->around.half;
+  return turned(to.at.r, local.cwiseMax(-half).cwiseMin(half) - local);
+}
+
+/// A guess at the way from a to b: from middle to middle, but of a small body beside a large one straight to it.
+Vec3 first_way(const PlacedConvex& a, const PlacedConvex& b, const Vec3& between) {
+  const Vec3 there = to_box(a.at.middle, b), back = to_box(b.at.middle, a);
+  const double from_a = dot(there, there), from_b = dot(back, back), least = 0.25 * dot(between, between);
+  if (from_a > 0 && from_a < from_b && from_a < least) return there;
+  if (from_b > 0 && from_b < from_a && from_b < least) return -back;
+  return between;
+}
+
 /// The point of a simplex that is nearest to the origin, and which corners carry it (bits).
 struct Nearest {
   Vec3 at;
@@ -204,6 +219,13 @@ Convex convex_of(std::span<const Vec3> points) {
     out.inner = inscribed_radius(centred) * (1 - 0x1p-30);  // the differences round
   }
 
+  out.normal.reserve(out.surface.triangles.size());
+  for (const auto& [i, j, k] : out.surface.triangles) {
+    const Vec3 n = cross(corners[j] - corners[i], corners[k] - corners[i]);
+    const double length = std::sqrt(dot(n, n));
+    out.normal.push_back(length > 0 ? Vec3(n / length) : Vec3::Zero());
+  }
+
   // Every edge of a closed surface has a facet on either side: each of its ends learns of the other once.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const Facet& f : out.surface.triangles)
@@ -229,9 +251,15 @@ Convex convex_of(std::span<const Vec3> points) {
   return out;
 }
 
+Mesh surface_with_facets(Convex solid) {
+  const auto last = static_cast<std::uint32_t>(solid.surface.vertices.size() - 1);
+  if (solid.surface.triangles.empty()) solid.surface.triangles = {{0, last, last}};
+  return std::move(solid.surface);
+}
+
 std::uint64_t convex_bytes(std::uint64_t corners) {
   constexpr std::uint64_t kEdges = 6;  // of a corner, but for twelve in all, by Euler's formula
-  return sizeof(Convex) + corners * (2 * sizeof(Vec3) + 2 * sizeof(Facet) + (1 + kEdges) * sizeof(std::uint32_t));
+  return sizeof(Convex) + corners * (4 * sizeof(Vec3) + 2 * sizeof(Facet) + (1 + kEdges) * sizeof(std::uint32_t));
 }
 
 std::uint64_t convex_making_bytes(std::uint64_t corners) {
@@ -264,7 +292,7 @@ bool convex_meet(const PlacedConvex& a, const PlacedConvex& b, std::uint64_t& op
   if (!(size > 0x1p-1000 && size < 0x1p1000)) return true;
   const double unit = std::ldexp(1, -std::ilogb(size)), least = margin * unit;
   Simplex simplex;
-  Vec3 v = unit * between;  // nearest to the origin of what is known of B - A; at first a guess
+  Vec3 v = unit * first_way(a, b, between);  // nearest to the origin of what is known of B - A; at first a guess
   if (!(dot(v, v) > 0)) v = Vec3::UnitX();
   bool climbs = true;
   constexpr int kMost = 64;  // a dozen is much; what never ends touches
@@ -289,6 +317,26 @@ bool convex_meet(const PlacedConvex& a, const PlacedConvex& b, std::uint64_t& op
     if (nearest.kept == 15 || nearest.square <= least * least) return true;
     simplex.keep(nearest.kept);
     v = nearest.at;
+  }
+  return true;
+}
+
+bool convex_inside(const PlacedConvex& a, const PlacedConvex& b, std::uint64_t& operations) {
+  const Convex &s = *a.solid, &t = *b.solid;
+  if (t.dimension < 3) return false;
+  const Vec3 offset = b.at.t - a.at.t;
+  // The facet that a is most likely to be in front of comes first.
+  const Vec3 way = turned_back(b.at.r, a.at.middle - b.at.middle);
+  std::size_t first = 0;
+  for (std::size_t f = 1; f < t.normal.size(); ++f)
+    if (dot(t.normal[f], way) > dot(t.normal[first], way)) first = f;
+  operations += t.normal.size();
+  for (std::size_t k = 0; k < t.normal.size(); ++k) {
+    const std::size_t f = (first + k) % t.normal.size();
+    const Vec3 n = turned(b.at.r, t.normal[f]), d = turned_back(a.at.r, n);
+    if (!(dot(d, d) > 0)) continue;
+    const Vec3& top = s.surface.vertices[climb(s, d, s.start[cell(d)], operations)];
+    if (dot(d, top) - dot(n, offset) > dot(t.normal[f], t.surface.vertices[t.surface.triangles[f][0]])) return false;
   }
   return true;
 }

@@ -30,11 +30,15 @@ struct Convex {
       first;  // #corners + 1: corner i has the neighbours beside[first[i]] to beside[first[i + 1] - 1]
   std::vector<std::uint32_t> beside;                   // along the edges of the facets
   Points columns;                                      // the corners, the last one repeated up to a multiple of kLanes
+  std::vector<Vec3> normal;                            // #facets, unit
   std::array<std::uint32_t, 6 * kGrid * kGrid> start;  // a corner far along the directions of a cell
 };
 
 /// Of at least one point, all finite.
 Convex convex_of(std::span<const Vec3> points);
+
+/// Its surface; a segment or a point as one facet without area.
+Mesh surface_with_facets(Convex solid);
 
 /// Bytes of it for that many corners, about.
 std::uint64_t convex_bytes(std::uint64_t corners);
@@ -54,5 +58,8 @@ PlacedConvex placed(const Convex& solid, const Pose& pose, double enlarge = 0);
 
 /// Whether the solids share a point; touching counts. Adds the corners looked at to `operations`.
 bool convex_meet(const PlacedConvex& a, const PlacedConvex& b, std::uint64_t& operations);
+
+/// Whether b is solid and every corner of a lies in it, to rounding.
+bool convex_inside(const PlacedConvex& a, const PlacedConvex& b, std::uint64_t& operations);
 
 }  // namespace geometry

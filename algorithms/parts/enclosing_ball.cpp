@@ -105,6 +105,15 @@ Vec3 UnitFrame::from_unit(const Vec3& p) const {
 
 double UnitFrame::from_unit(double length) const { return std::ldexp(length, exponent_); }
 
+Ball UnitFrame::from_unit(const Ball& ball, double more) const {
+  return {from_unit(ball.centre), (from_unit(ball.radius + more) + slack()) * (1 + 0x1p-51)};
+}
+
+Ball ball_around(std::span<const Vec3> points) {
+  const UnitFrame frame(points);
+  return frame.from_unit(enclosing_ball(frame.to_unit(points)));
+}
+
 double greatest_distance(const Vec3& centre, std::span<const Vec3> points) {
   double most = 0;
   for (const Vec3& p : points) most = std::fmax(most, square(p - centre));

@@ -11,16 +11,20 @@ namespace algorithms {
 /// no farther than `reach` from its origin, when its points become world vertices; and for the comparison of two such
 /// balls by squares.
 ///
-/// With u = 2^-53, v a point of the mesh, c the centre, r the radius, R as computed from a stored quaternion:
-///   |R w| <= (1 + 50 u) |w|: its squared norm is within 1e-15 of 1, which R shows twice, and its entries round (1)
-///   |fl(R v + t) - (R v + t)| <= 16 u |v| + 2 u |t|, and so of c (2) |V - C| <= r + 50 u r + 16 u (|v| + |c|) + 4 u
-///   |t|, with r <= 2 reach, |v| and |c| <= reach                     (3)
+/// With u = 2^-53, v a point of the mesh, c the centre, r the radius, R as computed from the stored quaternion q:
+///   e = | |q|^2 - 1 |,   |R w| <= (1 + 2 e + 20 u) |w|: its formula shows e twice, and its entries round (1) |fl(R v +
+///   t) - (R v + t)| <= 16 u |v| + 2 u |t|, and so of c                                                    (2) |V - C|
+///   <= r + (2 e + 20 u) r + 16 u (|v| + |c|) + 4 u |t|, with r <= 2 reach, |v| and |c| <= reach              (3)
 /// The squares, sums and differences of a comparison err by at most 6 u of the sum of the radii, of which each body
-/// takes its own part: 12 u reach, 12 u |t| at most where they are near each other. (4) (3) and (4) are below 2^-45
-/// (reach + |t|). `enlarge` as Method::prepare has it.
-inline double world_slack(double reach, const geometry::Vec3& t, double enlarge) {
+/// takes its own part: 12 u reach.                                                                                  (4)
+/// (3) and (4) are below (2^-46 + 4 e) reach + 2^-50 |t|; e is computed to within 4 u. `enlarge` as Method::prepare has
+/// it.
+inline double world_slack(double reach, const geometry::Pose& pose, double enlarge) {
+  const geometry::Quaternion& q = pose.q;
+  const geometry::Vec3& t = pose.t;
+  const double e = std::fabs((((q.w * q.w + q.x * q.x) + q.y * q.y) + q.z * q.z) - 1);
   const double far = std::sqrt((t.x() * t.x() + t.y() * t.y()) + t.z() * t.z());
-  return (0x1p-45 + enlarge) * (reach + far);
+  return (0x1p-45 + enlarge) * (reach + far) + 4 * e * reach;
 }
 
 /// No point of the ball is farther from the origin.

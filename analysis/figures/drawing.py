@@ -9,10 +9,10 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter, LogLocator
 from matplotlib.transforms import ScaledTranslation
 
-from analysis.tables import pareto
-from analysis.tables.scenes import twins
-from analysis.tables.studies import simulated
-from analysis.words import listed
+from ..tables import pareto
+from ..tables.scenes import twins
+from ..tables.studies import simulated
+from ..words import listed
 
 MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
 LINE = 19  # letters of a line above a small panel
@@ -295,11 +295,12 @@ def label_ends(axes, ends, gap=12):
         end = np.clip(place[i], low, high)
         tie = {"arrowstyle": "-", "color": look["color"], "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
         tie |= {"linestyle": look.get("linestyle", "-"), "relpos": (0, 0.5)}
+        gid = {"gid": look["gid"]} if "gid" in look else {}
         axes.annotate(text, (1, (end - low) / (high - low)), xycoords="axes fraction", xytext=(TIE, y - end),
-                      textcoords="offset points", va="center", color=look["color"], fontsize=9, arrowprops=tie)
+                      textcoords="offset points", va="center", color=look["color"], fontsize=9, arrowprops=tie, **gid)
         if look.get("marker"):
             middle = axes.transAxes + ScaledTranslation((TIE - 5) / 72, (y - end) / 72, axes.figure.dpi_scale_trans)
-            mark = {"color": look["color"], "marker": look["marker"], "markersize": 5, "linestyle": "none"}
+            mark = {"color": look["color"], "marker": look["marker"], "markersize": 5, "linestyle": "none"} | gid
             axes.add_artist(Line2D([1], [(end - low) / (high - low)], transform=middle, clip_on=False, **mark))
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from analysis.tables import thresholds as t
-from analysis.figures.drawing import (
+from ..tables import thresholds as t
+from .drawing import (
     NotDrawn,
     algorithm,
     binned,
@@ -26,8 +26,8 @@ from analysis.figures.drawing import (
     stretches,
     time_text,
 )
-from analysis.figures.figure import PALETTE, Figure, figure, style, svg_of
-from analysis.figures.steps import exponents, named
+from .figure import PALETTE, Figure, figure, style, svg_of
+from .steps import exponents, named
 
 CANNON = ("cannon_naive", "cannon_sap")
 THESIS = {"box": ("5.1", "5.2", "5.3", "5.4"), "falling": ("5.14", "5.15", "", "5.16")}
@@ -82,7 +82,7 @@ def parts_of_a_step(run, kind, key):
     """Collision, physics and total time over the steps."""
     steps, columns, physics = parts(run)
     physics_ns = physics.time_ns.to_numpy(dtype=float)
-    lines = {label: (steps.time_ns[:, i], style(algorithm(run, label))) for label, i in columns.items()}
+    lines = {label: (steps.time_ns[:, i], style(algorithm(run, label), label)) for label, i in columns.items()}
     label = first_label(columns)
     contact_ns = physics.contact_time_ns.to_numpy(dtype=float)
     lines["contacts in it"] = (contact_ns, {"color": PALETTE["sky"], "linestyle": ":"})
@@ -129,7 +129,7 @@ def parts_of_a_step(run, kind, key):
 def against_collisions(run, kind, key):
     """Collision time against hits, physics time against contacts."""
     steps, columns, physics = parts(run)
-    shown = [(label, steps.hits[:, i], steps.time_ns[:, i], style(algorithm(run, label))["color"], "pairs it reports")
+    shown = [(label, steps.hits[:, i], steps.time_ns[:, i], style(algorithm(run, label), label)["color"], "pairs it reports")
              for label, i in columns.items()]
     shown.append(("physics", physics.contacts.to_numpy(dtype=float), physics.time_ns.to_numpy(dtype=float),
                   PHYSICS["color"], "contacts"))
@@ -212,7 +212,7 @@ def per_collision(run, kind, key):
     steps, columns, physics = parts(run)
     contacts = physics.contacts.to_numpy(dtype=float)
     shown = {
-        label: (steps.time_ns[:, i], steps.hits[:, i], style(algorithm(run, label))) for label, i in columns.items()
+        label: (steps.time_ns[:, i], steps.hits[:, i], style(algorithm(run, label), label)) for label, i in columns.items()
     }
     shown["physics"] = (physics.time_ns.to_numpy(dtype=float), contacts, PHYSICS)
     fig, axes = figure(height=3.8)

@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 
-from analysis.tables import engines, pareto
-from analysis.figures.drawing import digits, guarded, log_seconds, shortened, time_text
-from analysis.figures.figure import FALSE_POSITIVE, MISSED, Figure, Points, Section, Table, figure, slug, svg_of
-from analysis.words import counted, listed, number, verb
+from ..tables import engines, pareto
+from .drawing import digits, guarded, log_seconds, shortened, time_text
+from .figure import FALSE_POSITIVE, MISSED, Figure, Points, Section, Table, figure, slug, svg_of
+from ..words import counted, listed, number, verb
 
 LEAST = 2  # labels: with fewer there is nothing to compare
 CONTAINED = "#B8B8B8"

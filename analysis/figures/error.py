@@ -5,17 +5,18 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from analysis.figures import labels
-from analysis.tables import pareto
-from analysis.figures.drawing import shortened
-from analysis.figures.figure import FALSE_POSITIVE, MISSED, Figure, figure, style, svg_of
-from analysis.words import counted, listed, number, verb
+from . import labels
+from ..tables import pareto
+from .drawing import shortened
+from .figure import FALSE_POSITIVE, MISSED, Figure, figure, style, svg_of
+from ..words import counted, listed, number, verb
 
 NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
 HEIGHT = 4.7  # inches, without the legend
 MARGIN = {"left": 46, "right": 10, "top": 8, "bottom": 40}  # points
 STRIP = 34  # points: the height of the strip for no error
 TEXT = 9
+WIDEST = 10  # times its middle: farther an interval does not stretch the axis
 LONGEST = 34  # letters of a name: half of the figure
 
 COSTS = {
@@ -42,7 +43,8 @@ def against(scene, points, cost, key, apart=""):
     seen = np.isfinite(points[cost]) & (points[cost] > 0) & np.isfinite(points.error)
     left_out = list(points.label[~seen])
     points = points[seen].reset_index(drop=True)
-    points["front"] = pareto.front(points[cost], points.error) if len(points) else False
+    one_unit = cost != "operations" or points.unit.nunique() <= 1
+    points["front"] = pareto.front(points[cost], points.error) if len(points) and one_unit else False
     fig, titles, nameless = _draw(points, cost)
     caption = " ".join(
         filter(None, [_caption(scene, points, cost), _asked(points, cost), apart, _left_out(left_out),
@@ -53,6 +55,10 @@ def against(scene, points, cost, key, apart=""):
 
 def finding(points, cost):
     """What the figure shows, as a sentence."""
+    if cost == "operations" and points.unit.nunique() > 1:
+        ends = points.loc[points[cost].idxmin()], points.loc[points[cost].idxmax()]
+        each = [f"{number(end[cost])} {end.unit} ({end.label})" for end in ends]
+        return f"Elementary tests a step are of {points.unit.nunique()} kinds, which do not compare: from {each[0]} to {each[1]}"
     show = time if cost == "time_mean_ns" else lambda value: f"{number(value)} operations"
     cheapest = "fastest" if cost == "time_mean_ns" else "cheapest"
     if not len(points):
@@ -129,8 +135,7 @@ def costs(scene, points, key):
     fig, (left, right) = figure(1, 2, height=0.85 + 0.2 * max(len(drawn), 3), sharey=True)
     rows = np.arange(len(drawn))[::-1]
     for row, (_, point) in zip(rows, drawn.iterrows()):
-        look = {"color": style(point.algorithm)["color"], "marker": style(point.algorithm)["marker"],
-                "linestyle": "none"}
+        look = style(point.algorithm, point.label) | {"linestyle": "none", "gid": f"of:{point.label}"}
         left.plot([point.setup_ns], [row], **look)
         right.plot([point.memory_bytes, point.memory_greatest_bytes], [row, row], color=look["color"], linewidth=0.8)
         right.plot([point.memory_greatest_bytes], [row], **look, markerfacecolor="white", markeredgewidth=1.2)
@@ -185,6 +190,67 @@ def memory(size):
     return f"{number(size)} B"
 
 
+def trade(scene, key):
+    """The figure of precision against recall: no misses first."""
+    points = scene.points.reset_index(drop=True)
+    points = points[points.recall.notna() & points.precision.notna()] if {"recall", "precision"} <= set(points) else points[:0]
+    table = pd.DataFrame({
+        "label": points.label, "recall": points.get("recall"), "precision": points.get("precision"),
+        "missed": points.false_negative.astype("int64"), "false positives": points.false_positive.astype("int64"),
+        "mean time (µs)": points.time_mean_ns / 1e3, "promise": points.promise,
+    }).sort_values(["missed", "mean time (µs)"], ignore_index=True)
+    fig, axes = figure(height=4.2)
+    axes.set(xlim=(-0.02, 1.03), ylim=(-0.02, 1.03), xlabel="recall: share of meeting pairs that are found",
+             ylabel="precision: share of hits that are right")
+    axes.axvline(1, color="#999999", linewidth=0.8, linestyle=(0, (4, 2)))
+    titles = {}
+    for _, point in points.iterrows():
+        look = style(point.algorithm, point.label)
+        gid = f"of:{point.label}"
+        titles[gid] = f"{point.label}: recall {number(point.recall)}, precision {number(point.precision)}"
+        axes.plot([point.recall], [point.precision], **look | {"linestyle": "none"}, gid=gid, clip_on=False)
+    if len(points):
+        box = axes.get_window_extent()
+        fig.draw_without_rendering()
+        box = axes.get_window_extent()
+        marks = axes.transData.transform(points[["recall", "precision"]].to_numpy(dtype=float))
+        few = list(range(len(points))) if len(points) <= NAMED else list(np.flatnonzero(points.recall.to_numpy() == 1))[:NAMED]
+        texts = shortened(points.label.iloc[few], LONGEST)
+        sizes = np.array([labels.size(texts[points.label.iloc[i]], TEXT) for i in few]).reshape(-1, 2)
+        put, leaders = labels.place(few, sizes, (box.x0, box.y0, box.x1, box.y1), marks, np.full(len(marks), 5.0), [])
+        back = fig.transFigure.inverted()
+        for i, corner, line in zip(few, put, leaders):
+            label = points.label.iloc[i]
+            if np.isnan(corner).any():
+                continue
+            fig.text(*back.transform(corner), texts[label], fontsize=TEXT, va="bottom", ha="left", gid=f"halo:{label}")
+            if not np.isnan(line).any():
+                ends = back.transform(line.reshape(2, 2))
+                colour = style(points.algorithm.iloc[i], label)["color"]
+                fig.add_artist(Line2D(*ends.T, color=colour, linewidth=0.7, gid=f"of:{label}"))
+    caption = (
+        f"{scene.title}: {counted(len(points), 'label')}. On the dashed line nothing is missed: whoever may miss nothing chooses "
+        "there, the higher the fewer false positives; times stand in the table, which has those that miss nothing first."
+    )
+    return Figure(_trade_finding(table), svg_of(fig, titles), caption, table, key)
+
+
+def _trade_finding(table):
+    if not len(table):
+        return "No label has both a precision and a recall"
+    safe = table[table.missed == 0]
+    if not len(safe):
+        best = table.iloc[0]
+        return f"Every label misses something; {best.label} least, {number(best.missed)} pairs"
+    best = safe.loc[safe.precision.idxmax()]
+    quick = safe.loc[safe["mean time (µs)"].idxmin()]
+    words = f"No misses first: {counted(len(safe), 'label')} {verb(len(safe), 'misses', 'miss')} nothing; {best.label} has the "
+    words += f"fewest false positives of them, {number(best['false positives'])}, at {number(best['mean time (µs)'])} µs"
+    if quick.label != best.label:
+        words += f"; {quick.label} is the quickest, {number(quick['mean time (µs)'])} µs with {number(quick['false positives'])}"
+    return words
+
+
 def kinds(scene, key):
     """The figure of both kinds of error: the share of true pairs that is missed, and false reports per true pair."""
     points = scene.points.sort_values(["error", "time_mean_ns"]).reset_index(drop=True)
@@ -215,7 +281,8 @@ def kinds(scene, key):
         (left, missed, MISSED, "missed, % of what meets" if met else "missed"),
         (right, reported, FALSE_POSITIVE, "false positives per pair that meets" if met else "false positives"),
     ):
-        axes.barh(rows, values, color=colour, height=0.72)
+        for bar, label in zip(axes.barh(rows, values, color=colour, height=0.72), drawn.label):
+            bar.set_gid(f"of:{label}")
         axes.set_xlabel(words)
         axes.grid(axis="y", visible=False)
         axes.set_xlim(0, (values.max() or 1) * 1.22)
@@ -357,7 +424,7 @@ def _draw(points, cost):
     titles, known = {}, _intervals(points)
     show = time if cost == "time_mean_ns" else lambda value: f"{number(value)} operations"
     for row, point in points.iterrows():
-        look = style(point.algorithm)
+        look = style(point.algorithm, point.label)
         axes, y = (strip, 0) if point.error == 0 else (main, point.error)
         size = 5 if crowded else 7
         if look["marker"] == "*":
@@ -372,12 +439,14 @@ def _draw(points, cost):
         mark |= {"markerfacecolor": "white" if point.scope == "scene" else look["color"], "zorder": 4}
         mark |= {"markeredgewidth": 1.5 if point.scope == "scene" else 0.4}
         mark |= {} if point.scope == "scene" else {"markeredgecolor": "white"}
-        titles[f"mark{row}"] = f"{point.label}: error {number(point.error)}, {show(point[cost])}"
+        gid = f"of:{point.label}"
+        titles[gid] = f"{point.label}: error {number(point.error)}, {show(point[cost])}"
         if cost == "time_mean_ns" and known[row]:
             ends = [point.time_mean_low_ns, point.time_mean_high_ns]
-            titles[f"mark{row}"] += f" ({time(ends[0])} to {time(ends[1])})"
+            titles[gid] += f" ({time(ends[0])} to {time(ends[1])})"
+            ends = np.clip(ends, point[cost] / 1e3, point[cost] * 1e3)
             axes.plot(ends, [y, y], color=look["color"], linewidth=1, solid_capstyle="butt", alpha=0.7, zorder=3)
-        axes.plot([point[cost]], [y], gid=f"mark{row}", **mark)
+        axes.plot([point[cost]], [y], gid=gid, **mark)
         for marked, shape, wider in ((point.exact, "o", 6), (point.library, "s", 9)):
             if marked:
                 ring = {
@@ -421,7 +490,10 @@ def _axes(main, strip, points, cost):
     main.set_ylim(low / room, min(high * room, 1.03) if high <= 1 else high * room)
     low, high = (min(costs), max(costs)) if len(costs) else (1, 10)
     if cost == "time_mean_ns" and (known := _intervals(points)).any():
-        low, high = min(low, points.time_mean_low_ns[known].min()), max(high, points.time_mean_high_ns[known].max())
+        # An interval of which nothing is known but its middle reaches from 0 to infinity: it ends at the figure's edge.
+        mine = points[known]
+        low = min(low, np.maximum(mine.time_mean_low_ns, mine.time_mean_ns / WIDEST).min())
+        high = max(high, np.minimum(mine.time_mean_high_ns, mine.time_mean_ns * WIDEST).max())
     room = max((high / low) ** 0.07, 1.25)
     main.set_xlim(low / room, high * room)
     for axis, limits, least, shown in (
@@ -433,7 +505,10 @@ def _axes(main, strip, points, cost):
         axis.set_minor_locator(NullLocator())
     main.tick_params(axis="x", length=0, labelbottom=False)
     main.spines["bottom"].set_visible(False)
-    main.set_ylabel("error", labelpad=2)
+    main.set_ylabel("error, share of wrong answers (log)", labelpad=2)
+    broken = {"marker": [(-1, -0.5), (1, 0.5)], "markersize": 8, "linestyle": "none", "color": "#555555", "clip_on": False}
+    main.plot([0], [0], transform=main.transAxes, **broken)  # the axis is broken: no logarithmic axis has a 0
+    strip.plot([0], [1], transform=strip.transAxes, **broken)
     strip.set_ylim(-1, 1)
     strip.set_yticks([0], ["0"])
     strip.grid(axis="y", visible=False)
@@ -536,11 +611,11 @@ def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
             nameless.append(label)
             continue
         look = {"fontsize": TEXT, "fontweight": weight, "color": "#111111", "va": "bottom", "ha": "left"}
-        fig.text(*to_figure.transform(corner), texts[label], **look, zorder=6, gid="halo")
+        fig.text(*to_figure.transform(corner), texts[label], **look, zorder=6, gid=f"halo:{label}")
         if not np.isnan(line).any():
             ends = to_figure.transform(line.reshape(2, 2))
-            colour = style(points.algorithm[row])["color"]
-            fig.add_artist(Line2D(*ends.T, color=colour, linewidth=0.7, zorder=5))
+            colour = style(points.algorithm[row], label)["color"]
+            fig.add_artist(Line2D(*ends.T, color=colour, linewidth=0.7, zorder=5, gid=f"of:{label}"))
     return nameless
 
 

@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.patches import Patch
 
-from analysis.tables import extremes, pareto
-from analysis.figures.drawing import guarded, shortened
-from analysis.figures.figure import FALSE_POSITIVE, MISSED, Figure, Section, Table, figure, svg_of, slug
-from analysis.figures.study import draw_map, heads_of, source, space
-from analysis.words import listed, number, verb
+from ..tables import extremes, pareto
+from .drawing import guarded, shortened
+from .figure import FALSE_POSITIVE, MISSED, Figure, Section, Table, figure, svg_of, slug
+from .study import draw_map, heads_of, source, space
+from ..words import listed, number, verb
 
 # An error that differs by less over a thing may do so by chance: in configs/extremes.toml errors of one half of the
 # random orientations of an offset differ by up to 0.053 from those of the other.
@@ -31,7 +31,7 @@ def sections(runs):
                                   ("shape", "", extremes.error_by_shape)):
             parts.append(guarded(f"Error by {word}", by_figure, run, word, unit, table, f"{key}-{word}"))
         parts.append(guarded("Instability", instability_table, run))
-        found.append(Section(f"{pareto.title(run)}: where answers fail", parts))
+        found.append(Section(f"{pareto.title(run)}: where answers fail", parts, pareto.title(run)))
     return found
 
 

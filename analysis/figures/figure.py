@@ -4,6 +4,7 @@ A Section is a named list of parts: figures, tables and paragraphs. Figures are 
 can be searched, and the same data give the same bytes.
 """
 
+import contextlib
 import hashlib
 import io
 import re
@@ -17,7 +18,8 @@ matplotlib.use("svg")  # no display is asked for
 import matplotlib.pyplot as plt  # noqa: E402
 import pandas as pd  # noqa: E402
 
-# Okabe and Ito's colours, told apart by colour-blind readers; their yellow is left out, it is too pale on white.
+# Okabe and Ito's colours, told apart by colour-blind readers (their yellow is left out, it is too pale on white), then
+# Paul Tol's muted ones: as many as there are algorithms, and marks tell them apart once more.
 PALETTE = {
     "blue": "#0072B2",
     "orange": "#E69F00",
@@ -27,7 +29,17 @@ PALETTE = {
     "sky": "#56B4E9",
     "black": "#000000",
     "grey": "#767676",
+    "indigo": "#332288",
+    "wine": "#882255",
+    "olive": "#8A8A1F",
+    "teal": "#44AA99",
+    "rose": "#CC6677",
+    "brown": "#8C510A",
+    "violet": "#AA4499",
+    "moss": "#117733",
 }
+
+ABOUT = "About"  # the view of the page that comes last
 
 MISSED, FALSE_POSITIVE = PALETTE["vermilion"], PALETTE["blue"]  # the two kinds of error, here as in the viewer
 
@@ -70,17 +82,18 @@ _STYLES = {
     "obb_corners": ("orange", "v", "-"),
     "facet_vectors": ("purple", "P", "-"),
     "obb_triangles": ("grey", "X", "-"),
-    "facet_triangles": ("black", "<", "-"),
-    "facet_rotations": ("grey", ">", "--"),
-    "cannon_naive": ("purple", "h", "--"),
-    "cannon_sap": ("vermilion", "h", "--"),
-    "aabb": ("green", "d", "--"),
+    "facet_triangles": ("indigo", "<", "-"),
+    "facet_rotations": ("olive", ">", "--"),
+    "cannon_naive": ("wine", "h", "--"),
+    "cannon_sap": ("rose", "p", "--"),
+    "aabb": ("teal", "d", "--"),
     "exact": ("black", "*", "-"),
-    "exact_cold": ("black", "*", ":"),
-    "fcl_bvh": ("blue", "p", "--"),
+    "exact_cold": ("brown", "*", ":"),
+    "fcl_bvh": ("violet", "h", "--"),
 }
-_MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "d", "p"]
+_MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "d", "p", "*", "H", "8"]
 _LINES = ["--", ":", "-."]
+_looks = {}  # label -> its style, of the labels that were made known
 
 
 @dataclass(frozen=True)
@@ -88,7 +101,8 @@ class Figure:
     """A picture that states a finding.
 
     title: its finding, one sentence computed from the data; svg: inline SVG, as svg_of gives it; caption: what, how
-    many, configuration, commit, machine; table: the numbers that are drawn; key: its anchor, unique in the report.
+    many, configuration, commit, machine; table: the numbers that are drawn; key: its anchor, unique in the report;
+    number: of the thesis's figure that it answers, with the thesis's words in Czech and what they mean in short.
     """
 
     title: str
@@ -96,6 +110,9 @@ class Figure:
     caption: str
     table: pd.DataFrame
     key: str
+    number: str = ""
+    czech: str = ""
+    seen: str = ""
 
 
 @dataclass(frozen=True)
@@ -133,10 +150,20 @@ class Verdicts:
 
 
 @dataclass(frozen=True)
-class Section:
-    """parts: Figure, Table, Text, Points, Verdicts, or str (one paragraph of plain text).
+class Explorer:
+    """A figure that answers to the pointer, drawn in the page. data: as explorer.explorer() makes it, for JSON; key: its
+    anchor."""
 
-    scene: what the section is of, "" for all; the page shows the sections of one scene at a time.
+    title: str
+    data: dict
+    key: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """parts: Figure, Table, Text, Points, Verdicts, Explorer, or str (one paragraph of plain text).
+
+    scene: what the section is of, "" for the overview, ABOUT for what is read last; the page shows one at a time.
     """
 
     title: str
@@ -144,15 +171,39 @@ class Section:
     scene: str = ""
 
 
-def style(name):
-    """color, marker and linestyle of the algorithm `name`, as keywords of matplotlib; the same in every figure.
+def know(labels):
+    """Makes known what `labels`, pairs of label and algorithm, look like, and forgets those before: no two have one colour
+    and one mark. The labels of an algorithm share its colour; while it has more labels than there are marks, the rest
+    take other colours."""
+    _looks.clear()
+    taken = set()
+
+    def take(label, wanted):
+        look = next(look for look in wanted if (look["color"], look["marker"]) not in taken)
+        taken.add((look["color"], look["marker"]))
+        _looks[label] = look
+
+    labels = list(dict.fromkeys(labels))
+    for label, algorithm in sorted(labels, key=lambda pair: pair[0] != pair[1]):  # those under their own name first
+        own = style(algorithm)
+        marked = [own | {"marker": marker} for marker in _MARKERS]
+        others = [own | {"color": colour, "marker": marker} for colour in PALETTE.values() for marker in _MARKERS]
+        numbered = [own | {"color": f"#{x:06x}"} for x in range(0x101010, 0xF0F0F0, 0x050B11)]
+        take(label, [own, *marked, *others, *numbered])
+
+
+def style(name, label=None):
+    """color, marker and linestyle of the algorithm `name`, as keywords of matplotlib; the same in every figure. label: of
+    one of its labels, where it was made known.
 
     An algorithm that this module does not know gets one of its own name, so it keeps it too.
     """
+    if label in _looks:
+        return dict(_looks[label])
     picked = _STYLES.get(name)
     if not picked:
         taken = {(colour, marker) for colour, marker, _ in _STYLES.values()}
-        free = [(colour, marker) for colour in PALETTE for marker in _MARKERS if (colour, marker) not in taken]
+        free = [(colour, marker) for colour in PALETTE for marker in _MARKERS[:12] if (colour, marker) not in taken]
         number = zlib.crc32(name.encode())
         picked = *free[number % len(free)], _LINES[number // len(free) % len(_LINES)]
     return {"color": PALETTE[picked[0]], "marker": picked[1], "linestyle": picked[2]}
@@ -164,17 +215,40 @@ def figure(rows=1, columns=1, height=HEIGHT, width=WIDTH, **more):
         return plt.subplots(rows, columns, figsize=(width, height), **more)
 
 
+class Svg(str):
+    """A picture as SVG; png: the same as PNG, where that was asked for."""
+
+    png = None
+
+
+_png = False
+
+
+@contextlib.contextmanager
+def with_png():
+    """Within it svg_of() makes PNG too."""
+    global _png
+    _png = True
+    try:
+        yield
+    finally:
+        _png = False
+
+
 def svg_of(fig, titles=None):
     """`fig` as SVG to be put into HTML; closes it.
 
     No XML header, no metadata, no address of any network; text is text. Identifiers that nothing refers to are dropped,
     the others start with a digest of the content, so several figures live on one page.
-    titles: gid of an artist -> text that a browser shows when the pointer is over it. A text with the gid "halo" stands
-    on white, so lines below it do not hurt.
+    titles: gid of an artist -> text that a browser shows when the pointer is over it. A text with the gid "halo" or
+    "halo:LABEL" stands on white, so lines below it do not hurt. An artist with the gid "of:LABEL" is of that label: the page highlights all
+    that is of one.
     """
     with plt.rc_context(SETTINGS):
-        drawn = io.StringIO()
+        drawn, png = io.StringIO(), io.BytesIO()
         fig.savefig(drawn, format="svg", metadata={"Date": None})
+        if _png:
+            fig.savefig(png, format="png", dpi=200, metadata={"Software": None})
     plt.close(fig)
     root = ElementTree.fromstring(drawn.getvalue())  # without comments
     for parent in list(root.iter()):
@@ -187,19 +261,25 @@ def svg_of(fig, titles=None):
             value = element.attrib.pop(key)
             element.set(_name(key), "".join(value.split()) if value.startswith("data:") else value)
         gid = element.get("id")
+        if gid and gid.startswith("of:"):
+            element.set("data-of", gid.removeprefix("of:"))
         if gid in (titles or {}):
             del element.attrib["id"]
             title = ElementTree.Element("title")
             title.text = titles[gid]
             element.insert(0, title)
-        elif gid == "halo":
+        elif gid and gid.startswith("halo"):
             del element.attrib["id"]
+            if of := gid.partition(":")[2]:
+                element.set("data-of", of)
             element.set("style", "paint-order:stroke;stroke:#fff;stroke-width:2.5px;stroke-linejoin:round")
     for key in ("width", "height"):
         root.attrib.pop(key, None)  # the page's, not the paper's
     root.set("style", "stroke-linejoin:round;stroke-linecap:butt")
     _rename(root)
-    return ElementTree.tostring(root, encoding="unicode").strip()
+    svg = Svg(ElementTree.tostring(root, encoding="unicode").strip())
+    svg.png = png.getvalue() if _png else None
+    return svg
 
 
 def _name(qualified):

@@ -5,10 +5,10 @@ import pandas as pd
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Rectangle
 
-from analysis.tables import thresholds as t
-from analysis.figures.drawing import NotDrawn, caption, key, shortened
-from analysis.figures.figure import Figure, figure, svg_of
-from analysis.words import listed, verb
+from ..tables import thresholds as t
+from .drawing import NotDrawn, caption, key, shortened
+from .figure import Figure, figure, svg_of
+from ..words import listed, verb
 
 # Late is orange, early is purple (ColorBrewer's PuOr, told apart by colour-blind readers); the words' own steps.
 EDGES = [-np.inf, -t.TOO_EARLY_M, -t.SLIGHT_M, -t.EXACT_M, t.EXACT_M, t.SLIGHT_M, t.TOO_EARLY_M, np.inf]

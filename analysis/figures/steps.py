@@ -5,9 +5,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from analysis.tables import thresholds as t
-from analysis.figures.drawing import key as key_of
-from analysis.figures.drawing import (
+from ..tables import thresholds as t
+from .drawing import key as key_of
+from .drawing import (
     NotDrawn,
     algorithm,
     binned,
@@ -28,8 +28,8 @@ from analysis.figures.drawing import (
     stretches,
     time_text,
 )
-from analysis.figures.figure import PALETTE, Figure, figure, style, svg_of
-from analysis.words import listed
+from .figure import PALETTE, Figure, figure, style, svg_of
+from ..words import listed
 
 THESIS = {"box": "figures 5.5 to 5.13", "falling": "figures 5.17 to 5.25"}
 TRUTH = "#DADADA"
@@ -71,7 +71,7 @@ def time_per_step(run, kind, key):
     fig, axes = figure(height=4.6)
     ends = []
     for label in drawn:
-        look = style(algorithm(run, label))
+        look = style(algorithm(run, label), label) | {"gid": f"of:{label}"}
         middle, times = binned(steps.time_ns[:, steps.labels.index(label)] / 1e9, np.median)
         axes.plot(middle, times, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)
         ends.append((times[-1], names[label], look))
@@ -127,7 +127,7 @@ def hits_per_step(run, kind, key):
     axes.fill_between(middle, truth, color=TRUTH, linewidth=0)
     ends = [(truth[-1], "truly meet", {"color": "#777777"})]
     for label in drawn:
-        look = style(algorithm(run, label))
+        look = style(algorithm(run, label), label) | {"gid": f"of:{label}"}
         _, hits = binned(steps.hits[:, steps.labels.index(label)], np.mean)
         axes.plot(middle, hits, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)
         ends.append((hits[-1], names[label], look))
@@ -308,7 +308,7 @@ def time_against_bodies(run, kind, key):
     fig, axes = figure(height=4.6)
     ends = []
     for label in drawn:
-        look = style(algorithm(run, label))
+        look = style(algorithm(run, label), label) | {"gid": f"of:{label}"}
         axes.plot(median.index, median[label] / 1e9, **look, markevery=max(1, len(median) // 6), markersize=5)
         ends.append((median[label].iloc[-1] / 1e9, named(names[label], power[label]), look))
     axes.set_xscale("log")

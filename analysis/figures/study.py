@@ -6,10 +6,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
 
-from analysis.tables import pareto, studies, study_tables
-from analysis.figures.drawing import BINS, guarded
-from analysis.figures.figure import PALETTE, Figure, Section, Table, figure, style, svg_of, slug
-from analysis.words import counted, listed, number, plural, verb
+from ..tables import pareto, studies, study_tables
+from .drawing import BINS, guarded
+from .figure import PALETTE, Figure, Section, Table, figure, style, svg_of, slug
+from ..words import counted, listed, number, plural, verb
 
 # The families have colours, their members markers and lines; the same in every figure.
 INTEGRATORS = {
@@ -52,10 +52,10 @@ def sections(runs, beside=None):
     for count, run in enumerate(runs):
         key = f"study-{count}-{slug(pareto.name(run))}"
         if run.study is not None:
-            found.append(Section(f"{pareto.title(run)}: integrators", study_parts(run, beside, key)))
+            found.append(Section(f"{pareto.title(run)}: integrators", study_parts(run, beside, key),
+                                 pareto.title(run)))
         elif run.physics is not None and run.meta["steps"] > 1:
-            found.append(Section(f"{pareto.title(run)}: drift of the motion",
-                                 [guarded("Drift", drift_figure, run, key)]))
+            found.append(Section("Drift of the motion", [guarded("Drift", drift_figure, run, key)], pareto.title(run)))
     return found
 
 

@@ -5,10 +5,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from analysis.figures.drawing import digits, guarded, label_ends, log_seconds, shortened
-from analysis.figures.figure import Figure, Points, Section, Table, figure, slug, style, svg_of
-from analysis.tables import sweeps
-from analysis.words import counted, listed, verb
+from .drawing import digits, guarded, label_ends, log_seconds, shortened
+from .figure import Figure, Points, Section, Table, figure, slug, style, svg_of
+from ..tables import sweeps
+from ..words import counted, listed, verb
 
 MOST_LABELS = 16  # lines in one figure
 MOST_SETTINGS = 4  # figures of one quantity over one parameter; the tables have all

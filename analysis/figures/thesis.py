@@ -6,33 +6,59 @@ named.
 """
 
 import re
+from dataclasses import replace
 
-from analysis.figures import engine as engine_figures, playground as playground_map, steps as step_figures
-from analysis.tables import pareto, scenes
-from analysis.figures.drawing import NotDrawn, guarded, key, simulated
-from analysis.figures.figure import Figure, Section
-from analysis.figures.thesis_tables import in_javascript, languages_figure, means_figure, statements_part
+from . import engine as engine_figures, numbered, playground as playground_map, steps as step_figures
+from ..tables import pareto, scenes
+from .drawing import NotDrawn, guarded, key, simulated
+from .figure import Figure, Section
+from .thesis_tables import TABLE, in_javascript, languages_figure, means_figure, statements_part
+from ..tables.sentences import FIGURES as CZECH
+from ..tables.statements import PUBLISHED
+
+
+
+def make_of(entry):
+    return entry[1]
+
 
 NAMES = {
-    "box": ("thesis section 5.1 (Kostka)", "figures 5.1 to 5.13, table 5.1"),
-    "falling": ("thesis section 5.2 (Padání)", "figures 5.14 to 5.25, table 5.2"),
-    "playground": ("thesis section 5.3 (Hřiště)", "the maps of section 5.3"),
+    "box": ("The thesis's section 5.1 (Kostka)", "figures 5.1 to 5.13, table 5.1"),
+    "falling": ("The thesis's section 5.2 (Padání)", "figures 5.14 to 5.25, table 5.2"),
+    "playground": ("The thesis's section 5.3 (Hřiště)", "the maps of section 5.3"),
 }
+# kind -> part that makes a figure -> the anchor that the statements know, of the first scene of that kind
+ANCHORS = {
+    kind: dict(zip(map(make_of, engine_figures.FIGURES), map(numbered.anchor, numbered.ENGINE[kind])))
+    | {means_figure: f"table-{TABLE[kind].replace('.', '-')}"}
+    for kind in ("box", "falling")
+} | {"playground": dict(zip(map(make_of, playground_map.FIGURES), ("map-obstacles", "map-kinds", "map-flicker")))}
+NUMBERS = {kind: dict(zip(map(make_of, engine_figures.FIGURES), numbered.ENGINE[kind])) for kind in ("box", "falling")}
 # What has a meaning without the thesis too: in every scene with bodies that move on their own.
 STEPS = step_figures.FIGURES
 THESIS = [*engine_figures.FIGURES, ("Mean times beside the thesis's", means_figure)]
 
 
 def sections(runs):
-    """Sections of the report on the thesis, from Runs of any scenes; never raises for what a file lacks."""
-    chosen, notes = {}, []
+    """Sections of the report on the thesis, from Runs of any scenes: of each scene, and the verdicts; never raises for
+    what a file lacks."""
+    chosen, notes, beside = chosen_runs(runs)
+    return [*scene_sections(chosen, beside), statements_section([run for run, _ in chosen], notes, beside)]
+
+
+def chosen_runs(runs):
+    """([(run, what is said of others of its motion)], notes, kind -> the run beside it that has the thesis's
+    procedures)."""
+    groups, notes, beside = {}, [], scenes.companions(runs)
     for run in runs:
+        if any(run is other for other in beside.values()):
+            continue
         if kind_of(run) or run.meta["algorithms"]:
-            chosen.setdefault(run.meta["motion"].get("digest", run.path), []).append(run)
+            groups.setdefault(run.meta["motion"].get("digest", run.path), []).append(run)
         else:
             notes.append(f"{pareto.name(run)} has neither a scene nor algorithms: the thesis has no figure of that.")
     found = []
-    for number, (scene, group) in enumerate(chosen.items()):
+    for group in groups.values():
         best = max(group, key=published)  # of equals the first
         more = [
             f"{pareto.name(run)} has the same motion; the thesis's figures are drawn from {pareto.name(best)}, which "
@@ -40,15 +66,23 @@ def sections(runs):
             for run in group
             if run is not best
         ]
-        chosen[scene] = best
-        found.append(section_of(best, kind_of(best), number, more))
-    found.append(statements_section(list(chosen.values()), notes))
+        found.append((best, more))
+    return found, notes, beside
+
+
+def scene_sections(chosen, beside):
+    found, kinds = [], set()
+    for number, (run, notes) in enumerate(chosen):
+        kind = kind_of(run)
+        found.append(section_of(run, kind, number, notes, beside.get(kind), kind not in kinds))
+        kinds.add(kind)
     return found
 
 
-def section_of(run, kind, number, notes):
-    """A figure or a sentence for each of the thesis's."""
-    title = f"{pareto.title(run)}: {NAMES.get(kind, ('step by step', ''))[0]}"
+def section_of(run, kind, number, notes, published=None, first=True):
+    """A figure or a sentence for each of the thesis's. published: another run of the scene, for the times of the thesis's
+    procedures; first: of its kind, whose figures have the thesis's numbers."""
+    title = NAMES.get(kind, ("Step by step", ""))[0]
     slug = re.sub(r"[^a-z0-9]+", "-", pareto.name(run).lower()).strip("-")
     if kind == "playground":
         figures = playground_map.FIGURES
@@ -56,15 +90,28 @@ def section_of(run, kind, number, notes):
         figures = [*STEPS, *(THESIS if kind in NAMES else [])]
     if in_javascript(run):
         figures = [*figures, ("C++ beside JavaScript", languages_figure)]
-    parts = list(notes)
+    parts = []
     for name, make in figures:
-        parts.append(guarded(name, make, run, kind, f"thesis-{number}-{slug}-{make.__name__.replace('_', '-')}"))
+        anchor = f"thesis-{number}-{slug}-{make.__name__.replace('_', '-')}"
+        more = [published] if make is means_figure else []
+        part = guarded(name, make, run, kind, anchor, *more)
+        if first and isinstance(part, Figure) and (known := ANCHORS.get(kind, {}).get(make, "figure-")) != "figure-":
+            thesis_number = NUMBERS.get(kind, {}).get(make, "")
+            part = replace(part, key=known, number=thesis_number, czech=CZECH.get(thesis_number, ""))
+        parts.append(part)
+    if first and kind in numbered.FIRST:
+        for letter in numbered.ORDER:
+            name = f"Figure {numbered.number_of(kind, letter)}"
+            parts.append(guarded(name, numbered.one, run, kind, letter, published))
+        parts.sort(key=lambda part: [int(n) for n in part.number.split(".")] if getattr(part, "number", "") else [0])
     # Figures first: sentences on what is missing are read once they are missed.
-    return Section(title, [*notes, *sorted(parts[len(notes) :], key=lambda part: not isinstance(part, Figure))])
+    found = sorted(parts, key=lambda part: not isinstance(part, Figure))
+    return Section(title, [*notes, *found], pareto.title(run))
 
 
-def statements_section(runs, notes):
-    """The verdicts, from one run of each kind."""
+def statements_section(runs, notes, beside):
+    """The verdicts, from one run of each kind; beside: kind -> the run whose times are those of the thesis's
+    procedures."""
     found, used, parts = {}, {}, list(notes)
     for run in runs:
         kind = kind_of(run)
@@ -78,6 +125,9 @@ def statements_section(runs, notes):
             parts.append(data)
         else:
             found[kind], used[kind] = data, pareto.name(run)
+            if kind in beside:
+                found[kind + PUBLISHED] = scenes.timed(beside[kind])
+                used[kind + " times"] = f"{pareto.name(beside[kind])}, {beside[kind].meta['steps']} steps"
     for kind, (_, what) in NAMES.items():
         if kind not in {kind_of(run) for run in runs}:
             parts.append(f"No file of a {kind} scene was given: {what} are not drawn and statements on it not judged.")
@@ -93,10 +143,10 @@ def judged_data(run, kind):
 
 
 def kind_of(run):
-    """The kind of scene; "" for none or when the configuration cannot be read."""
+    """The kind of scene, of those that the thesis has; "" for none or when the configuration cannot be read."""
     try:
-        return scenes.kind(run)
-    except (KeyError, ValueError):
+        return scenes.thesis_kind(run)
+    except (KeyError, ValueError, OSError):
         return ""
 
 

@@ -1,16 +1,18 @@
 """Tables 5.1 and 5.2 of the thesis beside this run's times, and the verdicts on its statements as a table."""
 
+import json
 import re
 
 import numpy as np
 import pandas as pd
 
-from analysis.tables import intervals, thresholds as t
-from analysis.figures.drawing import NotDrawn, caption, comparable, digits, key, log_seconds, steps_of
-from analysis.figures.figure import PALETTE, Figure, Verdicts, figure, svg_of
-from analysis.tables.scenes import twins
-from analysis.tables.clauses import KEYS
-from analysis.tables.statements import CAREFUL, verdicts
+from ..tables import intervals, thresholds as t
+from .drawing import NotDrawn, caption, comparable, digits, key, log_seconds, steps_of
+from .figure import PALETTE, Figure, Verdicts, figure, svg_of
+from ..tables.scenes import twins
+from ..tables.clauses import KEYS
+from ..tables.statements import CAREFUL, verdicts
+from ..words import listed
 
 # Mean milliseconds per step, Babylon.js in a browser: letter -> (table 5.1, the box; table 5.2, the falling scene).
 THESIS_MS = {
@@ -46,52 +48,107 @@ def kendall(x, y):
     return float((signs[0] * signs[1]).sum() / np.sqrt(ordered)) if ordered else np.nan
 
 
-def means_table(run, kind):
+def javascript(run):
+    """letter -> the label of a program in JavaScript that answers as one of the nine: its language says so, and its name
+    or one of its knobs is that of the algorithm."""
+    letters, found = {name: letter for letter, name in KEYS.items()}, {}
+    for label, answers in run.meta["answers"].items():
+        if not answers.get("language", "").startswith("JavaScript"):
+            continue
+        knobs = json.loads(answers.get("knobs") or "{}")
+        named = [answers.get("name", ""), *(value for value in knobs.values() if isinstance(value, str))]
+        if letter := next((letters[name] for name in named if name in letters), ""):
+            found.setdefault(letter, label)
+    return found
+
+
+def best_evaluation(run, label):
+    """The fastest label in the program itself that answers the same as `label`, by the digests of their answers."""
+    digest = run.meta["answers"][label].get("digest")
+    steps = steps_of(run)
+    same = [
+        other for other in comparable(run)
+        if other == label or (digest and run.meta["answers"][other].get("digest") == digest
+                              and not run.meta["answers"][other].get("transport"))
+    ]
+    return min(same, key=lambda other: steps.time_ns[:, steps.labels.index(other)].mean())
+
+
+def means_table(run, kind, published=None):
     """One row per algorithm of the thesis that the file has as published, fastest in the thesis first.
 
-    Columns: key, timed (the label), thesis ms, this run ms, JS / C++ (ratio), rank in the thesis, rank here. What is
-    timed in another procedure than the thesis's has neither ratio nor ranks and its timed says so. Raises NotDrawn when
-    fewer than two have them.
+    Columns: key; timed (the label of the thesis's procedure); thesis ms; same procedure ms with from, to; best evaluation
+    (label) and its ms; JavaScript ms (NaN where no program of the file is in JavaScript) and JS / C++ with its interval,
+    from the same steps; thesis / C++; rank in the thesis, rank here. published: another run of the scene, of fewer steps,
+    whose times are taken for procedures that this one has not. What is timed in another procedure than the thesis's has
+    neither ratio nor ranks and its timed says so. Raises NotDrawn when fewer than two have them.
     """
     if kind not in TABLE:
         raise NotDrawn("the thesis has mean times of the box and the falling scene only")
-    steps = steps_of(run)
-    letters = {key(run, label): label for label in comparable(run)}
-    twin = twins(run)
+    steps, twin = steps_of(run), twins(run)
+    letters, programs = {key(run, label): label for label in comparable(run)}, javascript(run)
     rows = {}
+
+    def times(of, label):
+        return of.time_ns[:, of.labels.index(label)]
+
     for letter, milliseconds in THESIS_MS.items():
-        if label := letters.get(letter):
-            timed = twin.get(label, label)
-            mean = steps.time_ns[:, steps.labels.index(timed or label)].mean() / 1e6
-            if mean > 0:
-                rows[label] = (letter, timed or OTHER, milliseconds[kind == "falling"], mean)
-    table = pd.DataFrame.from_dict(rows, orient="index", columns=["key", "timed", "thesis ms", "this run ms"])
-    same = table.timed != OTHER
+        if not (label := letters.get(letter)):
+            continue
+        timed, of, where = twin.get(label, label), steps, ""
+        if not timed and published is not None and (slow := twins(published).get(label)):
+            timed, of, where = slow, steps_of(published), f" ({published.meta['steps']} steps)"
+        mean = intervals.mean(times(of, timed or label))
+        if not mean.value > 0:
+            continue
+        best = best_evaluation(run, label)
+        theirs, ratio = np.nan, intervals.Interval(np.nan)
+        if letter in programs:
+            script = times(steps, programs[letter])
+            theirs = script.mean() / 1e6
+            if timed and of is steps:
+                ratio = intervals.ratio(script, times(steps, timed))
+            elif timed:
+                ratio = intervals.apart(intervals.mean(script), mean)
+        rows[label] = {
+            "key": letter, "timed": timed + where if timed else OTHER, "thesis ms": milliseconds[kind == "falling"],
+            "same procedure ms": mean.value / 1e6, "from": mean.low / 1e6, "to": mean.high / 1e6,
+            "best evaluation": best, "best ms": times(steps, best).mean() / 1e6,
+            "JavaScript ms": theirs, "JS / C++": ratio.value, "JS / C++ from": ratio.low, "JS / C++ to": ratio.high,
+        }
+    table = pd.DataFrame.from_dict(rows, orient="index")
+    same = table.timed != OTHER if len(table) else pd.Series(dtype=bool)
     if same.sum() < 2:
         raise NotDrawn(f"the file has {same.sum() or 'none'} of the thesis's nine algorithms as published, timed")
     table = table.sort_values("thesis ms").rename_axis("algorithm")
-    table["JS / C++"] = (table["thesis ms"] / table["this run ms"]).where(same)
+    table["thesis / C++"] = (table["thesis ms"] / table["same procedure ms"]).where(same)
     table["rank in the thesis"] = table["thesis ms"].where(same).rank().astype("Int64")
-    table["rank here"] = table["this run ms"].where(same).rank(method="min").astype("Int64")
-    return table
+    table["rank here"] = table["same procedure ms"].where(same).rank(method="min").astype("Int64")
+    return table.dropna(axis=1, how="all")
 
 
-def means_figure(run, kind, name):
-    """The thesis's mean times and this run's, one row per algorithm."""
-    table = means_table(run, kind)
+def means_figure(run, kind, name, published=None):
+    """The thesis's mean times, the same procedure in C++, the best evaluation with the same answers and, where there is
+    one, the JavaScript of this machine: one row per algorithm."""
+    table = means_table(run, kind, published)
     same = (table.timed != OTHER).to_numpy()
     compared = table[same]
-    rho, tau = (rank(compared["thesis ms"], compared["this run ms"]) for rank in (spearman, kendall))
-    fig, axes = figure(height=0.34 * len(table) + 1.2)
+    rho, tau = (rank(compared["thesis ms"], compared["same procedure ms"]) for rank in (spearman, kendall))
+    fig, axes = figure(height=0.34 * len(table) + 1.4)
     rows = np.arange(len(table))[::-1]
-    theirs, ours = table["thesis ms"].to_numpy() / 1e3, table["this run ms"].to_numpy() / 1e3
-    axes.hlines(rows[same], ours[same], theirs[same], color="#BBBBBB", linewidth=1.5)
-    axes.plot(theirs, rows, "o", color=PALETTE["orange"], label="thesis, JavaScript")
-    axes.plot(ours[same], rows[same], "s", color=PALETTE["blue"], label="this run, C++")
-    if not same.all():
+    theirs, ours = table["thesis ms"].to_numpy() / 1e3, table["same procedure ms"].to_numpy() / 1e3
+    best = table["best ms"].to_numpy() / 1e3
+    script = table["JavaScript ms"].to_numpy() / 1e3 if "JavaScript ms" in table else np.full(len(table), np.nan)
+    axes.hlines(rows[same], np.minimum(ours, best)[same], theirs[same], color="#BBBBBB", linewidth=1.5)
+    axes.plot(theirs, rows, "o", color=PALETTE["orange"], label="thesis, JavaScript of 2022")
+    if np.isfinite(script).any():
+        axes.plot(script, rows, "D", color=PALETTE["purple"], label="JavaScript, this machine")
+    axes.plot(ours[same], rows[same], "s", color=PALETTE["blue"], label="C++, same procedure")
+    faster = best < ours * 0.999
+    if (faster | ~same).any():
         look = {"color": PALETTE["blue"], "markerfacecolor": "white", "markeredgewidth": 1.3}
-        axes.plot(ours[~same], rows[~same], "s", **look, label="C++, other procedure")
-    for row, right, ratio in zip(rows, np.maximum(ours, theirs), table["JS / C++"]):
+        axes.plot(best[faster | ~same], rows[faster | ~same], "s", **look, label="C++, best evaluation")
+    for row, right, ratio in zip(rows, np.fmax(np.fmax(ours, theirs), script), table["thesis / C++"]):
         said = OTHER if np.isnan(ratio) else f"{digits(ratio)}×"
         axes.annotate(said, (right, row), xytext=(8, 0), textcoords="offset points", va="center", fontsize=9)
     axes.set_yticks(rows, [f"{letter} {label}" for label, letter in table.key.items()])
@@ -99,9 +156,13 @@ def means_figure(run, kind, name):
     axes.set_xlim(right=axes.get_xlim()[1] * (4 if same.all() else 12))
     axes.set_xlabel("mean time per step")
     axes.grid(axis="y", visible=False)
-    fig.suptitle(" ", fontsize=9)  # room for the legend
-    fig.legend(loc="upper center", ncol=3, fontsize=9, frameon=False, borderaxespad=0.1)
+    fig.suptitle(" \n ", fontsize=9)  # room for the legend
+    fig.legend(loc="upper center", ncol=2, fontsize=9, frameon=False, borderaxespad=0.1)
+    return Figure(_means_title(table, compared, rho, tau, kind), svg_of(fig),
+                  caption(run, _means_caption(table, run, published), f"table {TABLE[kind]}"), table, name)
 
+
+def _means_title(table, compared, rho, tau, kind):
     moved = (compared["rank here"] - compared["rank in the thesis"]).abs()
     if np.isnan(rho):
         title = f"All mean times are equal here, so their order cannot be compared with table {TABLE[kind]}"
@@ -111,14 +172,30 @@ def means_figure(run, kind, name):
     if moved.max() and not np.isnan(rho):
         label = moved.idxmax()
         title += f"; {label} moves most, from place {table['rank in the thesis'][label]} to {table['rank here'][label]}"
-    low, high = compared["JS / C++"].min(), compared["JS / C++"].max()
-    title += f"; the thesis's JavaScript took {digits(low)} to {digits(high)} times as long as C++ here"
-    what = (
+    low, high = compared["thesis / C++"].min(), compared["thesis / C++"].max()
+    title += f"; the thesis's JavaScript took {digits(low)} to {digits(high)} times as long as the same procedure in C++ here"
+    if "JS / C++" in table and table["JS / C++"].notna().any():
+        ratio = table["JS / C++"].dropna()
+        title += f"; JavaScript on this machine takes {digits(ratio.min())} to {digits(ratio.max())} times as long"
+    return title
+
+
+def _means_caption(table, run, published):
+    text = (
         "Two machines on one axis: the thesis's means come from its own computer and browser and scenes of its own "
-        f"length, so only orders and ratios say something. n = {len(compared)} algorithms, "
-        f"{run.meta['steps']} steps; numbers at the right are JavaScript's time over that of C++."
+        f"length, so only orders and ratios say something. n = {len(table)} algorithms, {run.meta['steps']} steps; numbers "
+        "at the right are the thesis's time over that of the same procedure in C++."
     )
-    return Figure(title, svg_of(fig), caption(run, what, f"table {TABLE[kind]}"), table, name)
+    if published is not None and table.timed.str.contains(" steps)", regex=False).any():
+        slow = table.index[table.timed.str.contains(" steps)", regex=False)]
+        text += f" {listed(slow)} as published: of {published.meta['steps']} steps of the same seconds."
+    faster = table.index[(table["best ms"] < 0.999 * table["same procedure ms"]) & (table.timed != OTHER)]
+    for label in faster:
+        ratio = table["same procedure ms"][label] / table["best ms"][label]
+        text += f" {table['best evaluation'][label]} answers as {table.timed[label]} does, in 1/{digits(ratio)} of its time."
+    if "JavaScript ms" not in table:
+        text += " No program in JavaScript answered in this file, so the languages are not compared on one machine."
+    return text
 
 
 def in_javascript(run):

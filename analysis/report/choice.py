@@ -1,8 +1,8 @@
 """The report's answer to "Which one should I take?"."""
 
-from analysis.figures.figure import Points, Section, Table
-from analysis.tables import choice
-from analysis.words import counted, listed, number, verb
+from ..figures.figure import Points, Section, Table
+from ..tables import choice
+from ..words import counted, listed, number, verb
 
 CAPTION = (
     "Whoever can spend that much time a step takes this label, whoever allows that much error takes that one. “As"

@@ -6,12 +6,13 @@ unfinished integration, cases left out) come first.
 
 import numpy as np
 
-from analysis.figures import extremes as extremes_figures
-from analysis.tables import extremes, intervals, pareto, studies, study_tables
-from analysis.figures.drawing import NotDrawn, places, plain, time_text
-from analysis.figures.figure import Points, Section
-from analysis.figures.study import FAILED, OTHERWISE, causes, drift_words, follow_text, heads_of, steady
-from analysis.words import counted, listed, number, verb
+from ..figures import extremes as extremes_figures
+from ..tables import causes as why
+from ..tables import extremes, intervals, pareto, studies, study_tables
+from ..figures.drawing import NotDrawn, places, plain, time_text
+from ..figures.figure import Points, Section
+from ..figures.study import FAILED, OTHERWISE, causes, drift_words, follow_text, heads_of, steady
+from ..words import counted, listed, number, verb
 
 
 def section(runs):
@@ -19,7 +20,7 @@ def section(runs):
     parts = []
     for run in runs:
         mine = []
-        for tell in (study, answers, drift, algorithms):
+        for tell in (study, answers, algorithms, misses, drift):
             try:
                 mine += tell(run, runs) if tell is study else tell(run)
             except (KeyError, ValueError, OSError, AttributeError, NotDrawn) as error:
@@ -274,6 +275,11 @@ def drift(run):
                      else f"Over {seconds:.4g} s no body sinks into another.")
     more = drift_words(run)
     return found + ([f"{more[:1].upper()}{more[1:]} over {seconds:.4g} s."] if more else [])
+
+
+def misses(run):
+    """Whose misses are whose, of the thesis's nine."""
+    return why.who_misses(run) if run.meta["algorithms"] and getattr(run, "extremes", None) is None else []
 
 
 def algorithms(run):

@@ -1,5 +1,6 @@
 """Sections as one HTML page that needs nothing else: no network, no font, no other file."""
 
+import json
 import numbers
 import pathlib
 import re
@@ -7,14 +8,17 @@ import re
 import numpy as np
 import pandas as pd
 
-from analysis.figures.figure import Figure, Points, Table, Text, Verdicts, slug
-from analysis.figures.thesis_tables import spelled
-from analysis.output import templates
-from analysis.tables.clauses import shown as value
-from analysis.words import counted
+from ..figures.figure import ABOUT, Explorer, Figure, Points, Table, Text, Verdicts, slug
+from ..figures.thesis_tables import spelled
+from ..output import templates
+from . import vega
+from ..tables.clauses import shown as value
+from ..tables.sentences import NAMES
+from ..words import counted
 
 HERE = pathlib.Path(__file__).parent
 
+OVERVIEW = "Overview"
 LONG = 40  # characters: texts that are given room to be read in lines
 SHORT = 26  # characters: texts that do not break
 LONG_HEAD = 28  # characters: heads of rows that may break
@@ -27,15 +31,27 @@ def page(title, lead, warnings, sections):
 
     lead, warnings: lists of plain texts; sections: Section, in their order.
     """
-    anchors = {part.key: part.title for section in sections for part in section.parts if isinstance(part, Figure)}
-    bodies, used = [], {}
+    parts = [part for section in sections for part in section.parts]
+    anchors = {part.key: part.title for part in parts if isinstance(part, Figure)} | {
+        slug(section.title): section.title for section in sections}
+    views, used = {}, {}
     for section in sections:
-        key = slug(section.title)
-        used[key] = used.get(key, 0) + 1
-        bodies.append((key if used[key] == 1 else f"{key}-{used[key]}", section.title, [_part(part, anchors) for part in section.parts]))
+        content = [_part(part, anchors) for part in section.parts]
+        key = _unique(slug(section.title), used)
+        views.setdefault(section.scene or OVERVIEW, []).append((key, section.title, content))
+    last = views.pop(ABOUT, None)
+    shown_views = [*views.items(), *([(ABOUT, last)] if last else [])]
+    named = [{"title": name, "key": _unique(f"view-{slug(name)}", used), "sections": of} for name, of in shown_views]
+    drawn = any(isinstance(part, Explorer) for part in parts)
     return templates(HERE).get_template("page.html").render(
-        title=title, lead=lead, warnings=warnings, sections=bodies, css=_beside("page.css"), script=_beside("page.js")
+        title=title, lead=lead, warnings=warnings, views=named, css=_beside("page.css"),
+        script=_beside("page.js") + _beside("explorer.js"), vega=vega.script() if drawn else "",
     )
+
+
+def _unique(key, used):
+    used[key] = used.get(key, 0) + 1
+    return key if used[key] == 1 else f"{key}-{used[key]}"
 
 
 def _beside(name):
@@ -48,7 +64,9 @@ def _part(part, anchors):
         kind = "picture dense" if dense(part.svg) else "picture"
         return "figure", (part.key, part.title.removesuffix("."), kind, part.svg, part.caption,
                           table(part.table, part.title),
-                          counted(len(part.table), "row"))
+                          counted(len(part.table), "row"), part.number, part.czech, part.seen)
+    if isinstance(part, Explorer):
+        return "explorer", (part.key, part.title, json.dumps(part.data, separators=(",", ":")))
     if isinstance(part, Points):
         return "points", (part.title, part.items)
     if isinstance(part, Table):
@@ -69,7 +87,7 @@ def _verdict(verdict, anchors):
         "word": word, "near": verdict.near, "why": why, "text": spelled(verdict.text), "czech": verdict.czech,
         "section": verdict.section, "cause": verdict.cause,
         "clauses": [(each.what, value(each.measured), each.needed, each.holds, each.near) for each in verdict.clauses],
-        "see": [(key, key.replace("-", " ", 1).replace("-", ".")) for key in verdict.see if key in anchors],
+        "see": [(key, NAMES.get(key) or key.replace("-", " ", 1).replace("-", ".")) for key in verdict.see if key in anchors],
     }
 
 

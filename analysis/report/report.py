@@ -1,20 +1,24 @@
 """What a report says: results -> sections. How they look is page.py's."""
 
 import json
+import os
 
 import pandas as pd
 
-from analysis.figures import error as plots_error
-from analysis.figures import engines as engines_figures
-from analysis.figures import extremes as extremes_figures
-from analysis.figures import study as study_figures
-from analysis.figures import sweep as sweep_figures
-from analysis.figures import thesis as thesis_figures
-from analysis.report import choice, findings
-from analysis.tables import pareto
-from analysis.figures.figure import Section, Table, Text
-from analysis.report.page import page
-from analysis.words import counted, listed, number, verb
+from ..figures import error as plots_error
+from ..figures import engines as engines_figures
+from ..figures import extremes as extremes_figures
+from ..figures import knobs as knobs_figures
+from ..figures import nine
+from ..figures import study as study_figures
+from ..figures import sweep as sweep_figures
+from ..figures import thesis as thesis_figures
+from . import choice, findings
+from ..tables import pareto, scenes
+from ..figures.figure import ABOUT, Figure, Section, Table, Text, know
+from .explorer import explorer
+from .page import page
+from ..words import counted, listed, number, verb
 
 SUMMARY = {  # column of the summary -> its head
     "error": "error",
@@ -72,13 +76,46 @@ Pareto front: The labels for which no other is at most as costly and at most as 
 
 def report(runs):
     """The HTML of a report on `runs`, a list of Run; the same files give the same bytes."""
+    return page(*parts_of(runs))
+
+
+def parts_of(runs):
+    """Title, lead, warnings and sections of a report on `runs`."""
     titles = " / ".join(dict.fromkeys(pareto.title(run) for run in runs))
     lost = failures(runs)
-    others = foreign(runs)
-    runs = [run.completed() for run in runs]
-    found = pareto.scenes(runs)
-    parts = [*sections(runs, found), *([others] if others else [])]
-    return page(f"Collision benchmark: {titles}", lead(runs, found), lost + warnings(runs, found), parts)
+    completed = [run.completed() for run in runs]
+    found = pareto.scenes(completed)
+    know((point.label, point.algorithm) for scene in found for point in scene.points.itertuples())
+    parts = sections(runs, found, completed)
+    runs = completed
+    return f"Collision benchmark: {titles}", lead(runs, found), lost + warnings(runs, found), parts
+
+
+def write_figures(sections, folder):
+    """Every figure of `sections` as KEY.svg, KEY.png and KEY.csv in `folder`, which is made; gives their number.
+
+    Raises OSError, in a line that starts with the path.
+    """
+    os.makedirs(folder, exist_ok=True)
+    figures = [part for section in sections for part in section.parts if isinstance(part, Figure)]
+    for part in figures:
+        name = os.path.join(folder, part.key)
+        if part.svg:
+            svg = part.svg.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" font-family="DejaVu Sans, sans-serif" ', 1)
+            write_file(f"{name}.svg", svg.encode("utf-8", "replace"))
+        if getattr(part.svg, "png", None):
+            write_file(f"{name}.png", part.svg.png)
+        index = not isinstance(part.table.index, pd.RangeIndex)
+        write_file(f"{name}.csv", part.table.to_csv(index=index).encode("utf-8", "replace"))
+    return len(figures)
+
+
+def write_file(path, data):
+    try:
+        with open(path, "wb") as file:
+            file.write(data)
+    except OSError as error:
+        raise OSError(f"{path}: cannot be written ({error.strerror})") from error
 
 
 def failures(runs):
@@ -121,29 +158,95 @@ def foreign(runs):
 
 def sweep_report(table):
     """The HTML of a report on a sweep, the frame of load_sweep; the same files give the same bytes."""
+    return page(*sweep_parts(table))
+
+
+def sweep_parts(table):
+    """Title, lead, warnings and sections of a report on a sweep."""
     title = f"Collision benchmark: {table.attrs['title']}"
-    return page(title, sweep_figures.lead(table), sweep_figures.warnings(table),
-                [*sweep_figures.sections(table), definitions()])
+    return (title, sweep_figures.lead(table), sweep_figures.warnings(table),
+            [*sweep_figures.sections(table), definitions()])
 
 
-def sections(runs, found):
-    """All sections in their order, the picture that the project is for first; a further one is a line here."""
-    told = [part for part in [findings.section(runs)] if part]
+# A section of the page is a function (runs, found) -> list of Section; found: pareto.scenes of the runs. A further one is a
+# line here. Section.scene says in which view it stands: "" in the overview, a scene's title, or ABOUT.
+def findings_sections(runs, found):
+    return [part for part in [findings.section(runs)] if part]
+
+
+def answers_sections(runs, found):
+    """Per scene: error against time, the summary."""
+    if not any(not is_study(run) for run in runs):
+        return []
+    if not found:
+        return [Section("Error against time", ["There is nothing to draw: no file has answers of an algorithm."]),
+                Section("Summary", ["No file has a summary of algorithms."])]
+    return [section for index, scene in enumerate(found, 1)
+            for section in (error_against_cost(scene, index), summary(scene))]
+
+
+def studies_sections(runs, found):
     studies = [run for run in runs if is_study(run)]
-    scenes = [run for run in runs if not is_study(run)]
-    usual = [run for run in scenes if not is_extremes(run)]
-    studied = [*study_figures.sections(studies, runs), *extremes_figures.sections(scenes)]
-    which = [part for part in [choice.section(found)] if part]
-    answered = []
-    if scenes:
-        others = engines_figures.sections(scenes)
-        answered = [*which, error_against_cost(scenes, found), *others, summary(scenes, found), definitions()]
-    if not studied:
-        return [*answered, provenance(runs), *told, *study_figures.sections(usual), *thesis_figures.sections(usual)]
-    if not usual:
-        return [*told, *studied, *answered, provenance(runs)]
-    drifts = study_figures.sections(usual, runs)
-    return [*told, *answered, *studied, provenance(runs), *drifts, *thesis_figures.sections(usual)]
+    return study_figures.sections(studies, runs)
+
+
+def extremes_sections(runs, found):
+    return extremes_figures.sections([run for run in runs if not is_study(run)])
+
+
+def usual(runs):
+    return [run for run in runs if not is_study(run) and not is_extremes(run)]
+
+
+def drift_sections(runs, found):
+    return study_figures.sections(usual(runs), runs)
+
+
+def verdict_sections(runs, found):
+    """Of scenes; of a study or of extremes alone there is nothing to say."""
+    if not usual(runs) and any(is_study(run) or is_extremes(run) for run in runs):
+        return []
+    chosen, notes, beside = thesis_figures.chosen_runs(usual(runs))
+    return [thesis_figures.statements_section([run for run, _ in chosen], notes, beside)]
+
+
+def nine_sections(runs, found):
+    return nine.sections(usual(runs))
+
+
+def thesis_sections(runs, found):
+    chosen, _, beside = thesis_figures.chosen_runs(usual(runs))
+    return thesis_figures.scene_sections(chosen, beside)
+
+
+def choice_sections(runs, found):
+    return [part for part in [choice.section(found)] if part]
+
+
+def engines_sections(runs, found):
+    return engines_figures.sections([run for run in runs if not is_study(run)])
+
+
+def knobs_sections(runs, found):
+    return knobs_figures.sections(found)
+
+
+def foreign_sections(runs, found):
+    return [part for part in [foreign(runs)] if part]
+
+
+def about_sections(runs, found):
+    return [*([definitions()] if any(not is_study(run) for run in runs) else []), provenance(runs)]
+
+
+SECTIONS = [findings_sections, choice_sections, verdict_sections, nine_sections, studies_sections, extremes_sections,
+            answers_sections, engines_sections, knobs_sections, thesis_sections, drift_sections, foreign_sections,
+            about_sections]
+
+
+def sections(runs, found, completed):
+    """All sections; the page puts those of one view together. runs: as read, for what failed too."""
+    return [section for make in SECTIONS for section in make(runs if make is foreign_sections else completed, found)]
 
 
 def is_extremes(run):
@@ -223,7 +326,7 @@ def warnings(runs, found):
                 " errors against time and operations, count them as reporting nothing."
                 for label, count in lost[lost > 0].items()
             ]
-        lines += [f"{name}: {line}" for line in doubtful_times(run)]
+        lines += [f"{name}: {line}" for line in [*doubtful_times(run), *scenes.ends_early(run)]]
         if "promise_kept" in run.summary:
             broken = list(run.summary.index[~run.summary.promise_kept])
             if broken:
@@ -280,69 +383,63 @@ def _has(run, group):
     return bool(run.meta["bodies"]) if group == "/bodies" else bool(run.meta[group[1:]])
 
 
-def error_against_cost(runs, found):
+def error_against_cost(scene, index):
     parts = [
         "Each mark is one algorithm with its settings. Its height is the share of wrong answers among all answers that"
         " matter, its place to the right is what it costs. Whoever wants fewer errors must pay along the dashed front;"
         " what is above it is never the best choice on this scene."
     ]
-    if not found:
-        parts = ["There is nothing to draw: no file has answers of an algorithm."]
-    if len(found) > 1:
-        parts.append("Errors and times of different scenes do not compare, so every scene has figures of its own.")
-    for index, scene in enumerate(found, 1):
-        machines = list(dict.fromkeys(scene.points.machine))
-        for place, machine in enumerate(machines, 1):
-            mine = scene.points[scene.points.machine == machine]
-            others = [label for label in scene.points.label if label not in set(mine.label)]
-            apart = ""
-            if others:
-                apart = f"Other machines or builds timed {len(others)} more labels; they have a figure of their own."
-            parts.append(plots_error.against(scene, mine, "time_mean_ns", f"error-time-{index}-{place}", apart))
-            parts += filter(None, [plots_error.costs(scene, mine, f"costs-{index}-{place}")])
-        parts.append(plots_error.against(scene, scene.points, "operations", f"error-operations-{index}"))
-        parts.append(plots_error.kinds(scene, f"error-kinds-{index}"))
-    return Section("Error against time", parts)
+    parts += filter(None, [explorer(scene, f"explorer-{index}")])
+    machines = list(dict.fromkeys(scene.points.machine))
+    for place, machine in enumerate(machines, 1):
+        mine = scene.points[scene.points.machine == machine]
+        others = [label for label in scene.points.label if label not in set(mine.label)]
+        apart = ""
+        if others:
+            apart = f"Other machines or builds timed {len(others)} more labels; they have a figure of their own."
+        parts.append(plots_error.against(scene, mine, "time_mean_ns", f"error-time-{index}-{place}", apart))
+        parts += filter(None, [plots_error.costs(scene, mine, f"costs-{index}-{place}")])
+    parts.append(plots_error.against(scene, scene.points, "operations", f"error-operations-{index}"))
+    parts.append(plots_error.trade(scene, f"precision-recall-{index}"))
+    parts.append(plots_error.kinds(scene, f"error-kinds-{index}"))
+    return Section("Error against time", parts, scene.title)
 
 
-def summary(runs, found):
-    parts = []
-    for scene in found:
-        points = scene.points
-        frame = pd.DataFrame({"algorithm": points.label})
-        for column, head in SUMMARY.items():
-            if column in points and points[column].notna().any():
-                unit = 1e3 if column.endswith("_ns") else 1024 if column.endswith("_bytes") else 1
-                frame[head] = points[column] if unit == 1 else points[column] / unit
-                if column in ("false_positive", "false_negative", "contained_hit", "hits"):
-                    frame[head] = frame[head].astype("Int64")
-        frame["promise"] = [_promise(point) for point in points.itertuples()]
-        timed_here = points.time_mean_ns.notna() & points.error.notna()
-        frame["on the front"] = timed_here & pareto.front(
-            points.time_mean_ns.fillna(float("inf")), points.error.fillna(float("inf"))
-        )
-        machines = {machine: chr(ord("A") + number) for number, machine in enumerate(dict.fromkeys(points.machine))}
-        timed = "Front: of error against mean time."
-        if len(machines) > 1:
-            frame = frame.drop(columns="on the front")
-            frame["timed on"] = points.machine.map(machines)
-            timed = "; ".join(f"{letter}: {machine}" for machine, letter in machines.items())
-            timed = f"Timed on {timed}. Times of different letters do not compare."
-        hits = number(int(scene.runs[0].truth_hits.sum()))
-        caption = (
-            f"{counted(len(points), 'label')}; counts are sums over {counted(scene.runs[0].meta['steps'], 'step')}, in"
-            f" which {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. "
-            f"{timed}"
-        )
-        parts.append(Table(scene.title, frame, caption))
-        knobs = [
-            (p.label, p.algorithm, json.dumps(p.knobs) if p.knobs else "none", p.unit) for p in points.itertuples()
-        ]
-        lines = "\n".join(
-            f"{label}: {algorithm}, knobs {text}, operations are {unit}" for label, algorithm, text, unit in knobs
-        )
-        parts.append(Text(f"Settings of {counted(len(points), 'label')}", lines))
-    return Section("Summary", parts or ["No file has a summary of algorithms."])
+def summary(scene):
+    points = scene.points
+    frame = pd.DataFrame({"algorithm": points.label})
+    for column, head in SUMMARY.items():
+        if column in points and points[column].notna().any():
+            unit = 1e3 if column.endswith("_ns") else 1024 if column.endswith("_bytes") else 1
+            frame[head] = points[column] if unit == 1 else points[column] / unit
+            if column in ("false_positive", "false_negative", "contained_hit", "hits"):
+                frame[head] = frame[head].astype("Int64")
+    frame["promise"] = [_promise(point) for point in points.itertuples()]
+    timed_here = points.time_mean_ns.notna() & points.error.notna()
+    frame["on the front"] = timed_here & pareto.front(
+        points.time_mean_ns.fillna(float("inf")), points.error.fillna(float("inf"))
+    )
+    machines = {machine: chr(ord("A") + number) for number, machine in enumerate(dict.fromkeys(points.machine))}
+    timed = "Front: of error against mean time."
+    if len(machines) > 1:
+        frame = frame.drop(columns="on the front")
+        frame["timed on"] = points.machine.map(machines)
+        timed = "; ".join(f"{letter}: {machine}" for machine, letter in machines.items())
+        timed = f"Timed on {timed}. Times of different letters do not compare."
+    hits = number(int(scene.runs[0].truth_hits.sum()))
+    caption = (
+        f"{counted(len(points), 'label')}; counts are sums over {counted(scene.runs[0].meta['steps'], 'step')}, in"
+        f" which {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. "
+        f"{timed}"
+    )
+    knobs = [
+        (p.label, p.algorithm, json.dumps(p.knobs) if p.knobs else "none", p.unit) for p in points.itertuples()
+    ]
+    lines = "\n".join(
+        f"{label}: {algorithm}, knobs {text}, operations are {unit}" for label, algorithm, text, unit in knobs
+    )
+    return Section("Summary", [Table(scene.title, frame, caption),
+                               Text(f"Settings of {counted(len(points), 'label')}", lines)], scene.title)
 
 
 def _promise(point):
@@ -354,7 +451,7 @@ def _promise(point):
 def definitions():
     lines = WORDS.strip().replace("\n    ", " ").splitlines()
     frame = pd.DataFrame([line.split(": ", 1) for line in lines], columns=["word", "what it means here"])
-    return Section("What is measured", [Table("Words", frame, "As in the file, the configuration and README.")])
+    return Section("What is measured", [Table("Words", frame, "As in the file, the configuration and README.")], ABOUT)
 
 
 def provenance(runs):
@@ -375,7 +472,8 @@ def provenance(runs):
         for run in runs
     ]
     return Section(
-        "What was run", [Table("Results, builds and machines", frame, caption), *(text for text in texts if text.text)]
+        "What was run", [Table("Results, builds and machines", frame, caption), *(text for text in texts if text.text)],
+        ABOUT,
     )
 
 

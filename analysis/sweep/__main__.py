@@ -27,12 +27,15 @@ import sys
 import tempfile
 import time
 
-from analysis.output import open_standard_descriptors, say, visible
-from analysis.sweep import tables
-from analysis.sweep.plan import Refused, points, read, refuse_if_many
-from analysis.sweep.state import file_sha256, identity, read_json, state, why_again, write_json
+from ..output import open_standard_descriptors, say, visible
+from ..program import default_program
+from . import tables
+from .plan import Refused, points, read, refuse_if_many
+from .state import file_sha256, identity, read_json, state, why_again, write_json
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+HERE = os.path.dirname(os.path.abspath(__file__))
+ABOVE = os.path.dirname(os.path.dirname(HERE))
+PACKAGE = __package__.rpartition(".")[0]  # as it is imported: analysis, or collision_analysis
 SLURM_JOBS = 64  # at a time, unless -j says otherwise
 MORE_MEMORY, MORE_MEMORY_MB = 1.5, 256  # than check foresees: it is right within a factor of 1.5
 MORE_TIME, MORE_MINUTES = 2, 10  # than the longer of check's range: nodes differ, a file system may be slow
@@ -82,9 +85,8 @@ def parsed(arguments):
         "--dry-run", action="store_true", help="say what would run, how large it is and how long it takes"
     )
     parser.add_argument("--yes", action="store_true", help="more than a thousand points are meant")
-    program = os.environ.get("PIPELINE") or os.path.join(ROOT, "build", "pipeline")
     named = "the built program (default: build/pipeline of this folder, or what PIPELINE names)"
-    parser.add_argument("--program", default=program, help=named)
+    parser.add_argument("--program", default=default_program(), help=named)
     chosen = parser.parse_args(arguments)
     if chosen.jobs is not None and chosen.jobs < 1:
         parser.error("-j: must be at least 1")
@@ -185,7 +187,8 @@ class Job:
             if why:
                 self.again[point.name] = why
         self.plan = {
-            "python": f"env PYTHONPATH={shlex.quote(ROOT)} {shlex.quote(sys.executable)}",  # that of scripts/python
+            "python": f"env PYTHONPATH={shlex.quote(ABOVE)} {shlex.quote(sys.executable)}",  # as scripts/python has it
+            "module": f"{PACKAGE}.sweep.point",
             "program": program,
             "folder": folder,
             "cwd": sweep.folder,
@@ -353,7 +356,7 @@ class Job:
         write_json(os.path.join(self.work, "plan.json"), self.plan)
         for name in ("checked", "ran"):
             shutil.rmtree(os.path.join(self.work, name), ignore_errors=True)
-        snakefile = os.path.join(ROOT, "analysis", "sweep", "Snakefile")
+        snakefile = os.path.join(HERE, "Snakefile")
         command = ["snakemake", "--snakefile", snakefile, target, "--keep-going", "--nolock", "--ignore-incomplete",
                    "--rerun-triggers", "mtime", "--drop-metadata", "--scheduler", "greedy", "--nocolor"]  # fmt: skip
         if self.chosen.slurm and target == "points":

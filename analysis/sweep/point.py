@@ -18,7 +18,11 @@ import subprocess
 import sys
 import time
 
-from analysis.sweep.state import identity, inputs_sha256, read_json, write_json
+<<<<<<< HEAD
+from .state import identity, inputs_sha256, write_json
+=======
+from .state import identity, inputs_sha256, read_json, write_json
+>>>>>>> main
 
 NOTE = "warning: "
 STOPS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
@@ -137,7 +141,7 @@ def _ran(plan, point, base, only):
 
 def _told(path):
     """What the table needs of a result."""
-    from analysis.load import load  # takes a second, which points that fail early need not
+    from ..load import load  # takes a second, which points that fail early need not
 
     result = load(path)
     rows = []

@@ -8,7 +8,7 @@ import secrets
 import h5py
 import numpy as np
 
-from analysis.load import sweep_frame
+from ..load import sweep_frame
 
 POINT = {  # column of /points -> long name
     "status": "done, failed, stopped, died or missing",

@@ -11,8 +11,8 @@ from typing import Callable
 import numpy as np
 import pandas as pd
 
-from analysis.tables.clauses import KEYS
-from analysis.words import listed, number, verb
+from .clauses import KEYS
+from ..words import listed, number, verb
 
 SAMPLERS = ("facet_triangles", "facet_rotations")
 NEEDED = 3  # sampled facets of a body that make one triangle
@@ -154,6 +154,30 @@ def follows(evidence, scene, label, stage, why):
     return f"The time of {letter(label)} follows {why} (r = {r:.2f})." if r >= TIED else ""
 
 
+def works(scene, label):
+    """The time of a label follows the tests that it makes, and those follow its hits."""
+    rows = scene.per_step[scene.per_step.algorithm == label]
+    if label not in scene.times or "operations" not in rows:
+        return ""
+    tests, hits = rows.operations.to_numpy(dtype=float), rows.hits.to_numpy(dtype=float)
+    if not (np.ptp(tests) and np.ptp(hits) and np.ptp(scene.times[label])):
+        return ""
+    r = np.corrcoef([scene.times[label], tests, hits])
+    if min(r[0, 1], r[1, 2]) < TIED:
+        return ""
+    return (f"The time of {letter(label)} follows the tests that it makes (r = {r[0, 1]:.2f}), and those its hits (r = "
+            f"{r[1, 2]:.2f}): a pair that is near is looked at longer.")
+
+
+def truth_comes_late(evidence, steps):
+    """The pairs that meet are more in the second half of the steps."""
+    if not len(evidence.truth):
+        return ""
+    late = float((evidence.truth.step.to_numpy() >= steps // 2).mean())
+    return (f"Of the pairs that truly meet {number(100 * late)} % come in the second half of this motion: what reports them "
+            "reports more there." if late > LEADS else "")
+
+
 def subset(evidence, one, other):
     """Of two labels, whose hits the other has too."""
     first, second = evidence.hits(one), evidence.hits(other)
@@ -190,13 +214,13 @@ def out_of_order(clauses):
 
 def failing(clauses):
     """At what the clauses fail."""
-    told = [f"“{each.what}” fails at {each.where}" for each in clauses if each.holds is False and each.where]
+    told = [f"“{each.what}”: {each.where}" for each in clauses if each.holds is False and each.where]
     return "; ".join(told) + "." if told else ""
 
 
 # ---- Which of it belongs to which statement
 
-BLAME = {30, 31, 34, 35, 37, 42, 45, 46, 48, 49, 56}  # of errors
+BLAME = {23, 25, 30, 31, 34, 35, 37, 42, 45, 46, 48, 49, 56}  # of errors
 
 
 def cause(statement, clauses, scenes, labels):
@@ -208,8 +232,10 @@ def cause(statement, clauses, scenes, labels):
         scene = scenes["falling"]
         for label in failed_labels(clauses, labels):
             stage, why = STAGES.get(label, ("", ""))
-            found.append(follows(scene.evidence, scene, label, stage, why))
-    if number_ == 8 and scenes["box"].evidence:
+            found.append(follows(scene.evidence, scene, label, stage, why) or works(scene, label))
+        if number_ in (51, 52):
+            found.append(truth_comes_late(scene.evidence, len(scene.bodies)))
+    if number_ in (8, 55, 57) and scenes["box"].evidence:
         scene = scenes["box"]
         found += [per_body(scene.evidence, scene.bodies, scene.times, label) for label in failed_labels(clauses, labels)]
     if number_ in (10, 11, 12, 54):
@@ -219,6 +245,8 @@ def cause(statement, clauses, scenes, labels):
                 found.append(f"{kind}: {text}" if text and len(scenes) > 1 else text)
     if number_ in (10, 11) and scenes["falling"].evidence:
         found.append(without_triangle(scenes["falling"].evidence, labels[0]))
+    if number_ in (6, 48, 55, 57):
+        found += [tests_made(kind, scene, labels) for kind, scene in scenes.items() if kind != "playground"]
     if number_ in BLAME:
         found += blamed(clauses, scenes, labels)
     if number_ >= 13:
@@ -237,6 +265,14 @@ STAGES = {  # label -> what decides how far it goes with a pair
 def failed_labels(clauses, labels):
     """The labels that clauses which fail name."""
     return [label for label in labels if any(each.holds is False and label in each.what.split() for each in clauses)]
+
+
+def tests_made(kind, scene, labels):
+    """How many elementary tests the labels make a step."""
+    if "operations" not in scene.summary or not len(scene.bodies):
+        return ""
+    each = [f"{letter(label)} {number(float(scene.summary.operations[label]) / len(scene.bodies))}" for label in labels]
+    return f"Elementary tests a step, each of its own kind, in the {kind} scene: {listed(each)}."
 
 
 def fewest(scene, labels):

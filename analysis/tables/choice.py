@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from analysis.tables import intervals, pareto
-from analysis.tables.intervals import Interval
+from . import intervals, pareto
+from .intervals import Interval
 
 # What may be allowed, in words -> the most error, and whether pairs may be missed.
 ALLOWED = {

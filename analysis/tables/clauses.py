@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.tables import thresholds as t
+from . import thresholds as t
 
 KEYS = {  # the thesis's letters, as in its applications
     "G": "obb_sat",

@@ -6,8 +6,8 @@ in general, all three scenes decide, where it tells of the playground that alone
 
 import numpy as np
 
-from analysis.tables import thresholds as t
-from analysis.tables.clauses import NotTestable, clause, told
+from . import thresholds as t
+from .clauses import NotTestable, clause, told
 
 BOTH = ("box", "falling")
 PLAY = ("playground",)
@@ -37,7 +37,7 @@ def faster(scene, one, others, what=""):
     ratio = scene.ratio(nearest, one)
     if ratio.known and ratio.low <= 1 <= ratio.high:
         raise NotTestable(f"{one} and {nearest} differ by a factor of {ratio.low:.3g} to {ratio.high:.3g}, no difference")
-    return clause(f"{what}{nearest} / {one}, mean times", ratio.value, ">", 1.0, where=nearest)
+    return clause(f"{what}{nearest} / {one}, mean times", ratio.value, ">", 1.0, where=f"{nearest} is faster")
 
 
 def least_error(scene, one, others, what=""):
@@ -77,7 +77,7 @@ def slowest(scene, one, others, what=""):
     ratio = scene.ratio(one, next_)
     if ratio.known and ratio.low <= 1 <= ratio.high:
         raise NotTestable(f"{one} and {next_} are as fast as each other")
-    return clause(f"{what}{one} / {next_}, mean times", ratio.value, ">", 1.0, where=next_)
+    return clause(f"{what}{one} / {next_}, mean times", ratio.value, ">", 1.0, where=f"{next_} is slower")
 
 
 def boxes_before_facets(box, falling, *labels):
@@ -109,7 +109,7 @@ def best_filter(box, falling, one, *others):
         if safe:
             hits = scene.summary.hits.astype(int)
             next_ = hits[safe].idxmin()
-            found.append(clause(f"{name}: pairs passed on by {one}", int(hits[one]), "<=", int(hits[next_]), where=next_))
+            found.append(clause(f"{name}: pairs passed on by {one}", int(hits[one]), "<=", int(hits[next_]), where=f"{next_} passes fewer on"))
             found.append(faster(scene, one, safe, f"{name}: "))
         else:
             found.append(told(f"{name}: others that miss nothing", "none"))
@@ -169,7 +169,7 @@ def nearer_to(play, one, like, *unlike):
     error = errors(play, [one, like, *unlike])
     away = (error - error[one]).abs()
     nearest = away[list(unlike)].idxmin()
-    return [clause(f"difference of the errors of {one} and {like}", away[like], "<", away[nearest], where=nearest)]
+    return [clause(f"difference of the errors of {one} and {like}", away[like], "<", away[nearest], where=f"{nearest} is nearer")]
 
 
 def beaten_most(box, falling, one, *others):
@@ -181,7 +181,7 @@ def beaten_most(box, falling, one, *others):
         better = ((error[None] < error[:, None]) & (time[None] < time[:, None])).sum(axis=1)
         most = int(np.argmax(better[1:])) + 1
         found.append(clause(f"{name}: how many are faster and err less than {one}", int(better[0]), ">=",
-                            int(better[most]), 1, labels[most]))
+                            int(better[most]), 1, f"more so of {labels[most]}"))
     return found
 
 
@@ -211,7 +211,7 @@ def most_successful(box, falling, play, *labels):
     for name, scene in (("box", box), ("falling", falling)):
         error, time = errors(scene, labels), means(scene, labels)
         better = [label for label in labels if error[label] < error[one] and time[label] < time[one]]
-        found.append(clause(f"{name}: how many are faster and err less", len(better), "=", 0, 1, ", ".join(better)))
+        found.append(clause(f"{name}: how many are faster and err less", len(better), "=", 0, 1, f"they are {', '.join(better)}"))
     return found
 
 
@@ -315,7 +315,7 @@ def facets_most_accurate(play, *labels):
     """(56) Each of the four errs less than every one of the five."""
     error = errors(play, labels)
     best = error[list(labels[4:])].idxmin()
-    return [clause(f"error of {label}", error[label], "<", error[best], where=best) for label in labels[:4]]
+    return [clause(f"error of {label}", error[label], "<", error[best], where=f"{best} errs less") for label in labels[:4]]
 
 
 def faster_in_one(box, falling, one, other):

@@ -9,7 +9,7 @@ import json
 import numpy as np
 import pandas as pd
 
-from analysis.tables import extremes, pareto
+from . import extremes, pareto
 
 # Of libraries that answer in the program's own process a file has the version alone.
 IN_PROCESS = {"fcl_bvh": ("surfaces of the meshes", "C++", "double", "BSD-3-Clause")}

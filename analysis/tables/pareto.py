@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from analysis.tables import intervals
-from analysis.tables.intervals import Interval
+from . import intervals
+from .intervals import Interval
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from analysis.tables import causes, intervals
-from analysis.tables.thresholds import MIDDLE_M, PARALLEL, THIN
+from . import causes, intervals
+from .clauses import KEYS
+from .thresholds import MIDDLE_M, PARALLEL, THIN
 
 TURN_EPSILON = 1e-6  # of matrices and quaternions; the turns of a playground are tens of degrees
 
@@ -88,6 +89,31 @@ def kind(run):
     return tomllib.loads(run.meta["config_effective"]).get("scene", {}).get("kind", "")
 
 
+def ends_early(run):
+    """What of its scene a run does not reach, being shortened: it is another scene then. Sentences."""
+    try:
+        config = tomllib.loads(run.meta["config_effective"])
+        scene, steps, rate = config["scene"], int(run.meta["steps"]), float(run.meta["rate"])
+        if scene["kind"] == "falling":
+            gravity = -float(config.get("physics", {}).get("gravity", [0, -9.81, 0])[1])
+            lands = [(float(np.sqrt(2 * max(float(group["height"]) - 2 * float(scene.get("radius", 1)), 0) / gravity)), place)
+                     for place, group in enumerate(scene.get("set", []), 1) if "height" in group and gravity > 0]
+            late = [(when, place) for when, place in lands if when > (steps - 1) / rate]
+            if late:
+                when, place = max(late)
+                return [f"its {steps} steps end at {(steps - 1) / rate:.3g} s, before set {place} of {len(lands)} can have "
+                        f"landed ({when:.3g} s): a run shortened so is another scene."]
+        if scene["kind"] == "box":
+            births = scene.get("births", {})
+            last = int(births.get("from", 0)) + int(births.get("every", 0)) * (int(births.get("count", 1)) - 1)
+            if last >= steps:
+                return [f"its {steps} steps end before the last body is born (step {last}): a run shortened so is another "
+                        "scene."]
+    except (KeyError, ValueError, TypeError, IndexError, ZeroDivisionError):
+        return []
+    return []
+
+
 def timed(run):
     first = run.bodies.first_step.to_numpy()
     there = (first[None, :] >= 0) & (first[None, :] <= np.arange(run.meta["steps"])[:, None])
@@ -115,6 +141,36 @@ def twins(run):
         for label, mine in knobs.items()
         if mine.get("search") == "indexed"
     }
+
+
+def thesis_kind(run):
+    """As kind(), of scenes that the thesis has: its falling bodies are spheres. "" of others."""
+    found = kind(run)
+    if found == "falling" and {"kind", "fixed"} <= set(run.bodies.columns):
+        moving, fixed = run.bodies[~run.bodies.fixed], run.bodies[run.bodies.fixed]
+        if not (moving["kind"] == "sphere").all() or not (fixed["kind"] == "box").all() or len(fixed) > 1:
+            return ""
+    return found
+
+
+def companions(runs):
+    """kind -> the run that has the thesis's procedure for all nine where another of its kind, of more steps, has not:
+    it is asked for times only."""
+    found = {}
+    for run in runs:
+        mine, label = kind_or_none(run), KEYS["K"]
+        others = [other for other in runs if other is not run and kind_or_none(other) == mine]
+        if mine and twins(run).get(label) and set(KEYS.values()) <= set(run.meta["algorithms"]):
+            if any(twins(other).get(label) == "" and other.meta["steps"] > run.meta["steps"] for other in others):
+                found.setdefault(mine, run)
+    return found
+
+
+def kind_or_none(run):
+    try:
+        return thesis_kind(run)
+    except (KeyError, ValueError, OSError):
+        return ""
 
 
 def playground(run):

@@ -9,7 +9,10 @@ def _figures(first, last):
 
 
 TABLES, MAP, KINDS, FLICKER = ("table-5-1", "table-5-2"), "map-obstacles", "map-kinds", "map-flicker"
-ERRORS = "best-of-nine"
+ERRORS = "best-of-the-nine"
+
+NAMES = {MAP: "the map of obstacles", KINDS: "the map of kinds of pass", FLICKER: "the map of flicker",
+         ERRORS: "the best of the nine"}  # of anchors that are no number
 
 SENTENCES = {
     1: ("5.1", "Nejrychlejší jsou ty nejjednodušší algoritmy a to s velmi malými rozdíly mezi sebou. Poté následují "

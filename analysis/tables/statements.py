@@ -10,12 +10,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.tables import causes, conclusions, intervals, thresholds as t
-from analysis.tables.clauses import KEYS, NotTestable, clause, hold, told, yes
-from analysis.tables.sentences import SENTENCES
-from analysis.words import listed
+from . import causes, conclusions, intervals, thresholds as t
+from .clauses import KEYS, NotTestable, clause, hold, told, yes
+from .sentences import SENTENCES
+from ..words import listed
 
 CAREFUL = "_careful"
+PUBLISHED = " published"
 
 
 @dataclass(frozen=True)
@@ -140,7 +141,7 @@ def falling_above_box(box, falling, *labels):
     ordered(ratios, "as fast in one scene as in the other")
     under = [label for label in labels if not ratio[label] > 1]
     return [
-        clause(f"least ratio, {ratio.idxmin()}", float(ratio.min()), ">", 1.0, where=listed(under) if under else ""),
+        clause(f"least ratio, {ratio.idxmin()}", float(ratio.min()), ">", 1.0, where=f"not so of {listed(under)}" if under else ""),
         told(f"greatest ratio, {ratio.idxmax()}", float(ratio.max())),
     ]
 
@@ -201,7 +202,7 @@ def reports_most(box, falling, most, *others):
     for name, scene in (("box", box), ("falling", falling)):
         hits = scene.summary.hits.astype(float)
         next_ = hits[list(others)].idxmax()
-        found.append(clause(f"{name}: hits of {most}", hits[most], ">", hits[next_], where=next_))
+        found.append(clause(f"{name}: hits of {most}", hits[most], ">", hits[next_], where=f"{next_} reports more"))
     return found
 
 
@@ -209,7 +210,7 @@ def reports_fewest(falling, fewest, *others):
     """Fewer hits than any other, over all steps."""
     hits = falling.summary.hits.astype(float)
     next_ = hits[list(others)].idxmin()
-    return [clause(f"hits of {fewest}", hits[fewest], "<", hits[next_], where=next_)]
+    return [clause(f"hits of {fewest}", hits[fewest], "<", hits[next_], where=f"{next_} reports fewer")]
 
 
 def curves_coincide(scene, one, other):
@@ -272,11 +273,11 @@ def share(flags):
 
 
 def targets_of(touching, wrong):
-    """"slab_45 (2 of 3 passes), ring": at which targets passes are `wrong`, the most first, four at most."""
+    """"at slab_45 (2 of 3 passes), ring (1 of 1 passes)": at which targets passes are `wrong`, the most first, four at most."""
     counts = touching.target[wrong].value_counts(sort=False).sort_values(ascending=False, kind="stable")
     every = touching.target.value_counts()
     named = [f"{name} ({count} of {every[name]} passes)" for name, count in counts.items()]
-    return ", ".join(named[:4]) + (f" and {len(named) - 4} more" if len(named) > 4 else "")
+    return "at " * bool(named) + ", ".join(named[:4]) + (f" and {len(named) - 4} more" if len(named) > 4 else "")
 
 
 def early_share(touching):
@@ -297,7 +298,7 @@ def early_clauses(play, label, names=None, what=""):
     on_time = touching["first"].abs() <= t.EXACT_M
     return [
         clause(f"share of passes visibly early{what}", early, ">=", t.NOTICED, one,
-               f"on time at {targets_of(touching, on_time)}" if on_time.any() else ""),
+               f"on time {targets_of(touching, on_time)}" if on_time.any() else ""),
         clause(f"share late or blind{what}", behind, "<", early, one, targets_of(touching, late(touching))),
     ]
 
@@ -472,7 +473,7 @@ def tunnels_most(play, label, *others):
     missed = play.false_negative[list(others)]
     return [
         clause("share of samples through the slab not reported", 1 - share(said), ">=", t.NEARLY_ALL, 1 / len(said)),
-        clause("missed samples", int(play.false_negative[label]), ">", int(missed.max()), 1, missed.idxmax()),
+        clause("missed samples", int(play.false_negative[label]), ">", int(missed.max()), 1, f"{missed.idxmax()} misses more"),
     ]
 
 
@@ -496,7 +497,7 @@ def late_or_blind_on_two_axes(play, label):
     either = blind | behind
     return [
         clause("share late or blind", share(either), ">", t.MOST, 1 / len(touching),
-               f"neither at {targets_of(touching, ~either)}"),
+               f"neither {targets_of(touching, ~either)}"),
         told("share late", share(behind)), told("share blind", share(blind)),
     ]
 
@@ -538,7 +539,7 @@ def practically_alike(play, one, other):
     first = [passes(play, label)[1]["first"].to_numpy() for label in (one, other)]
     same = (np.abs(first[0] - first[1]) <= t.SAME_M) | (np.isnan(first[0]) & np.isnan(first[1]))
     where = play.samples.target[either][differs].value_counts()
-    where = ", ".join(f"{name} ({count} samples)" for name, count in where[:4].items())
+    where = "at " + ", ".join(f"{name} ({count} samples)" for name, count in where[:4].items())
     return [
         clause("share of answers that differ", share(differs), "<=", t.PRACTICALLY, 1 / len(differs), where),
         told("share of passes with the same first contact", share(same)),
@@ -609,7 +610,8 @@ def as_published(scene, kind, labels):
 
 
 def judged(statement, scenes, careful=False):
-    """The Verdict on a statement. scenes: kind -> Playground or Timed. careful: on the careful labels where there are
+    """The Verdict on a statement. scenes: kind -> Playground or Timed; kind + PUBLISHED -> a run of that scene in the
+    thesis's procedures, for statements on times. careful: on the careful labels where there are
     any."""
     labels = [KEYS[key] for key in statement.keys]
     cause = ""
@@ -618,7 +620,8 @@ def judged(statement, scenes, careful=False):
         for kind in statement.scenes:
             if kind not in scenes:
                 raise NotTestable(f"no file of a {kind} scene was given")
-            found.append(scenes[kind])
+            lacks = statement.times and kind != "playground" and any(scenes[kind].twins.get(label) == "" for label in labels)
+            found.append(scenes.get(kind + PUBLISHED, scenes[kind]) if lacks else scenes[kind])
         if careful:
             labels = [label + CAREFUL if all(label + CAREFUL in s.labels for s in found) else label for label in labels]
         for scene, kind in zip(found, statement.scenes):

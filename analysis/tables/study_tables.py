@@ -11,8 +11,8 @@ import tomllib
 import numpy as np
 import pandas as pd
 
-from analysis.tables import studies
-from analysis.tables.studies import PARAMETERS, varied
+from . import studies
+from .studies import PARAMETERS, varied
 
 CONTROLS = ["accuracy", "fixed_step"]
 FACTORS = ["stiffness", "mass_ratio", "transition_velocity", "dissipation"]

@@ -9,10 +9,17 @@ from functools import lru_cache
 import numpy as np
 import pandas as pd
 
-from analysis.load import load
-from analysis.tables import intervals, pareto, scenes
-from analysis.tables.statements import verdicts
-from analysis.words import listed, verb
+<<<<<<< HEAD
+from ..load import load
+from . import pareto, scenes
+from .statements import verdicts
+from ..words import listed, verb
+=======
+from ..load import load
+from . import intervals, pareto, scenes
+from .statements import verdicts
+from ..words import listed, verb
+>>>>>>> main
 
 OF_STATEMENTS = ("box", "falling", "playground")
 
@@ -189,7 +196,7 @@ def statements(table):
         for name in group.point:
             try:
                 run = load(os.path.join(table.attrs["folder"], "points", name + ".h5"))
-                kind = scenes.kind(run)
+                kind = scenes.thesis_kind(run)
                 if kind in OF_STATEMENTS and kind not in found:
                     found[kind] = scenes.playground(run) if kind == "playground" else scenes.timed(run)
             except (OSError, KeyError, ValueError, RuntimeError) as error:

@@ -12,8 +12,8 @@ import shlex
 
 import numpy as np
 
-from analysis.load import load
-from analysis.output import refuse, say, templates, write
+from ..load import load
+from ..output import refuse, say, templates, write
 
 HERE = pathlib.Path(__file__).parent
 THREE_JS = [

@@ -23,12 +23,13 @@ void add_score(CLI::App&, int&);
 void add_export(CLI::App&, int&);
 void add_import(CLI::App&, int&);
 void add_work(CLI::App&, int&);
+void add_describe(CLI::App&, int&);
 
 namespace {
 
 /// Every command, in the order of --help: each is the file of its name.
-constexpr AddCommand kCommands[] = {add_run,    add_check, add_detect, add_list,   add_show,
-                                    add_verify, add_score, add_export, add_import, add_work};
+constexpr AddCommand kCommands[] = {add_run,   add_check,  add_detect, add_list, add_show,    add_verify,
+                                    add_score, add_export, add_import, add_work, add_describe};
 
 constexpr std::size_t kMostLine = 1 << 16;  // characters of a message
 

@@ -12,6 +12,7 @@
 #include "pipeline/result/product.hpp"
 #include "pipeline/result/store.hpp"
 #include "pipeline/run.hpp"
+#include "pipeline/system/own_place.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -34,7 +35,14 @@ CLI::Validator must_name(const std::string& what) {
 }
 
 void add_config(CLI::App& command, std::string& path, std::vector<std::string>& sets) {
-  command.add_option("CONFIG", path, "TOML file, see configs/")->required();
+  command.add_option("CONFIG", path, "TOML file; or the name of one that comes with the program, such as padani")
+      ->required()
+      ->transform(CLI::Validator(
+          [](std::string& written) {
+            written = own_config(written);
+            return std::string();
+          },
+          ""));
   command.add_option("--set", sets, "Overrule a key: --set physics.accuracy=1e-4; repeated for more")
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);

@@ -1,9 +1,14 @@
 #include "pipeline/commands/export_csv.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <map>
 
+#include "geometry/decision/hull.hpp"
+#include "geometry/meshes/shapes.hpp"
 #include "pipeline/commands/export_folder.hpp"
+#include "pipeline/stages/proxies.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -29,11 +34,12 @@ void refuse_names(const Result& result) {
   };
   for (const std::string& name : result.bodies.name) refuse("body", name);
   for (const geometry::Mesh& mesh : result.bodies.meshes) refuse("mesh", mesh.name);
+  if (const Proxies* proxies = result.products.find<Proxies>())
+    for (const MeshProxy& row : proxies->rows) refuse("label", row.label);
 }
 
-}  // namespace
-
-std::string obj_text(const geometry::Mesh& mesh) {
+/// The vertices and triangles of a mesh, behind `first` vertices.
+std::string obj_part(const geometry::Mesh& mesh, std::uint64_t first) {
   std::string text;
   for (const geometry::Vec3& vertex : mesh.vertices) {
     text += 'v';
@@ -47,10 +53,40 @@ std::string obj_text(const geometry::Mesh& mesh) {
     text += 'f';
     for (const std::uint32_t corner : facet) {
       text += ' ';
-      put(text, std::uint64_t{corner} + 1);
+      put(text, first + corner + 1);
     }
     text += '\n';
   }
+  return text;
+}
+
+}  // namespace
+
+std::string obj_text(const geometry::Mesh& mesh) { return obj_part(mesh, 0); }
+
+std::string proxy_text(const MeshProxy& row) {
+  std::string text;
+  std::uint64_t number = 0, before = 0;  // of parts, of vertices
+  const auto add = [&](const geometry::Mesh& part) {
+    text += "o part_" + std::to_string(++number) + "\n" + obj_part(part, before);
+    before += part.vertices.size();
+  };
+  std::vector<geometry::Mesh> balls;
+  for (const geometry::ContactBall& ball : row.balls) {
+    constexpr int kSegments = 24;
+    geometry::Mesh& mesh = balls.emplace_back(geometry::sphere("ball", ball.radius, kSegments));
+    for (geometry::Vec3& v : mesh.vertices) v += ball.centre;
+  }
+  if (row.kind == "capsule") {
+    std::vector<geometry::Vec3> points = balls[0].vertices;
+    points.insert(points.end(), balls[1].vertices.begin(), balls[1].vertices.end());
+    geometry::Hull hull = geometry::convex_hull(points);
+    geometry::Mesh mesh;
+    for (const std::uint32_t i : hull.corners) mesh.vertices.push_back(points[i]);
+    mesh.triangles = std::move(hull.triangles);
+    balls = {std::move(mesh)};
+  }
+  for (const geometry::Mesh& mesh : row.kind == "solids" ? solids_of(row) : balls) add(mesh);
   return text;
 }
 
@@ -94,7 +130,8 @@ std::vector<fs::path> write_csv(const Result& result, const CsvExportOptions& op
   fs::path place = options.folder;
   try {
     ExportFolder folder(options.folder), meshes(options.folder / "meshes");
-    place = options.folder / kBodies;  // the last to be written: without it an export does not look whole
+    std::map<std::string, ExportFolder> proxies;  // by label
+    place = options.folder / kBodies;             // the last to be written: without it an export does not look whole
     if (!remove_regular(folder.folder(), kBodies)) throw FileFailure("is in the way and cannot be removed");
     const auto write = [&](ExportFolder& into, const fs::path& path, const std::string& text) {
       stop_if_wanted();
@@ -104,8 +141,17 @@ std::vector<fs::path> write_csv(const Result& result, const CsvExportOptions& op
     };
     for (const geometry::Mesh& mesh : result.bodies.meshes)
       write(meshes, fs::path("meshes") / (mesh.name + ".obj"), obj_text(mesh));
+    if (const Proxies* all = result.products.find<Proxies>())
+      for (const MeshProxy& row : all->rows) {
+        if (row.kind == "none") continue;
+        const fs::path within = fs::path("proxies") / row.label;
+        place = options.folder / within;
+        write(proxies.try_emplace(row.label, options.folder / within).first->second, within / (row.mesh + ".obj"),
+              proxy_text(row));
+      }
     write(folder, "poses.csv", poses_text(result));
     write(folder, kBodies, bodies_text(result));
+    for (auto& [label, into] : proxies) into.keep();
     meshes.keep();
     folder.keep();
   } catch (const FileFailure& failure) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "pipeline/result/products/proxies.hpp"
 #include "pipeline/result/result.hpp"
 
 namespace pipeline {
@@ -17,14 +18,18 @@ std::string bodies_text(const Result& result);
 /// fixed body at step 0 alone.
 std::string poses_text(const Result& result);
 
+/// What stands in place of a mesh: solids as they are, one object each; balls, and a capsule, as meshes with their
+/// vertices on them, which lie within by up to a hundredth of the radius.
+std::string proxy_text(const MeshProxy& row);
+
 struct CsvExportOptions {
   std::filesystem::path folder;  // made when it does not exist
   bool force = false;            // an earlier export is replaced; else a folder with anything in it is refused
 };
 
-/// Writes bodies.csv, poses.csv and meshes/<name>.obj into the folder and returns what was written, relative to it.
-/// When it fails or is interrupted nothing that it wrote stays. Throws Error: kFile for the folder and a full disk,
-/// kInterrupted.
+/// Writes bodies.csv, poses.csv, meshes/<name>.obj and proxies/<label>/<name>.obj into the folder and returns what was
+/// written, relative to it. When it fails or is interrupted nothing that it wrote stays. Throws Error: kFile for the
+/// folder and a full disk, kInterrupted.
 std::vector<std::filesystem::path> write_csv(const Result& result, const CsvExportOptions& options);
 
 }  // namespace pipeline

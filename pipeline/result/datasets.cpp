@@ -93,8 +93,10 @@ const char* type_text(Type type) {
 /// A dimension by the name of its scale; those that are always the same by their size.
 std::string size_text(std::string_view scale, std::uint64_t size) {
   static const std::map<std::string_view, const char*> letters = {
-      {"step", "S"}, {"boundary", "S + 1"}, {"body", "B"}, {"algorithm", "A"}, {"vertex", "V"}, {"triangle", "T"},
-      {"pass", "P"}, {"sphere", "K"},       {"case", "C"}, {"machine", "M"},   {"chunk", "N"}};
+      {"step", "S"},   {"boundary", "S + 1"},      {"body", "B"},  {"algorithm", "A"},
+      {"vertex", "V"}, {"triangle", "T"},          {"pass", "P"},  {"sphere", "K"},
+      {"case", "C"},   {"machine", "M"},           {"chunk", "N"}, {"ball", "K"},
+      {"proxy", "X"},  {"solid_boundary", "N + 1"}};
   const std::string_view name = base_name(scale);
   if (const auto found = letters.find(name); found != letters.end()) return found->second;
   return name.ends_with("entry") ? "E" : std::to_string(size);

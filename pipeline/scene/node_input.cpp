@@ -127,17 +127,19 @@ const geometry::NodeFile& read_nodes(SceneConfig& config, const std::string& fil
     return out.bytes;
   };
   std::string flaw;
-  in_children(1, 1, limits_of(input.bytes.size()), work, [&](std::size_t, const std::string& bytes, const std::string& failure) {
-    if (!failure.empty()) {
-      flaw = input.path + ": assimp cannot read it and " + failure;
-      return;
-    }
-    Taker in{bytes};
-    flaw = in.text();
-    if (!flaw.empty()) return;
-    for (std::size_t count = in.value<std::size_t>(); count > 0; --count) read_beside(in.text());  // inputs of ours too
-    known.emplace(file, take(in, input.path));
-  });
+  in_children(1, 1, limits_of(input.bytes.size()), work,
+              [&](std::size_t, const std::string& bytes, const std::string& failure) {
+                if (!failure.empty()) {
+                  flaw = input.path + ": assimp cannot read it and " + failure;
+                  return;
+                }
+                Taker in{bytes};
+                flaw = in.text();
+                if (!flaw.empty()) return;
+                for (std::size_t count = in.value<std::size_t>(); count > 0; --count)
+                  read_beside(in.text());  // inputs of ours too
+                known.emplace(file, take(in, input.path));
+              });
   if (!flaw.empty()) throw Error(kInput, flaw);
   if (const std::string& said = known.at(file).said; !said.empty()) config.notes.push_back(said);
   return known.at(file);

@@ -5,7 +5,12 @@
 namespace pipeline {
 
 const algorithms::Algorithm& row_of(const AlgorithmChoice& choice) {
-  return choice.foreign ? choice.foreign->row : *algorithms::find(choice.name);
+  if (choice.foreign) return choice.foreign->row;
+  return choice.bound ? *choice.bound : *algorithms::find(choice.name);
+}
+
+std::string whose(const AlgorithmChoice& choice) {
+  return (choice.place.empty() ? "" : choice.place + ": ") + "algorithm '" + choice.label + "': ";
 }
 
 std::unique_ptr<algorithms::Method> make_method(const AlgorithmChoice& choice, const geometry::Bodies& bodies) {

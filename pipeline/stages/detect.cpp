@@ -67,7 +67,7 @@ Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
     entry.costs = entry.foreign ? costs_of(entry.foreign->about()) : Costs{double(spent.count()), held, held};
     return entry;
   } catch (const std::invalid_argument& error) {
-    throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+    throw Error(kInput, whose(choice) + error.what());
   } catch (const std::bad_alloc&) {
     throw OutOfMemory(choice, bodies);
   }
@@ -282,7 +282,7 @@ Heard refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& cho
     try {
       if (!choice.foreign && algorithms::memory(row_of(choice), bodies, choice.knobs).greatest > kLarge) continue;
     } catch (const std::invalid_argument& error) {
-      throw Error(kInput, "algorithm '" + choice.label + "': " + error.what());
+      throw Error(kInput, whose(choice) + error.what());
     }
     try {
       const Entry entry = set_up(bodies, choice);

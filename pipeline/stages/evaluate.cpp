@@ -8,6 +8,7 @@
 #include "pipeline/stages/extremes.hpp"
 #include "pipeline/stages/interval.hpp"
 #include "pipeline/stages/passes.hpp"
+#include "pipeline/stages/proxies.hpp"
 #include "pipeline/stages/summary.hpp"
 #include "pipeline/terminal/progress.hpp"
 
@@ -87,6 +88,7 @@ Evaluation evaluate(const Question& question, const std::vector<AlgorithmChoice>
   }
   if (!scene.passes.empty() || known.find<Passes>())
     out.products.put(of_passes(question, choices, out.answers, quiet, forecast));
+  if (Proxies proxies = proxies_of(bodies, choices); !proxies.rows.empty()) out.products.put(std::move(proxies));
   const std::uint64_t pairs = judged_pairs(bodies, poses, truth);
   for (const Answers& answers : out.answers) out.summary.push_back(summarise(answers, pairs));
   return out;

@@ -511,7 +511,7 @@ def test_a_verdict_is_a_near_miss_when_all_that_fails_is():
 
 def test_it_is_said_at_which_targets_a_clause_fails():
     data = dict(targets=SLAB | CUBE, passes=through("slab", {}, {}) + through("cube", {"G": 0.06}, {"G": NEVER}, {}))
-    assert "fails at cube (2 of 3 passes)" in verdict(14, playground=play(**data)).cause
+    assert "“most off, m”: at cube (2 of 3 passes)." in verdict(14, playground=play(**data)).cause
 
 
 # ---- causes
@@ -563,6 +563,20 @@ def test_whose_hits_are_whose_is_told_either_way():
     apart = proof(reported={"facet_triangles": [2], "facet_rotations": [0, 1]})
     assert "reports 1 pairs that" in causes.subset(apart, "facet_triangles", "facet_rotations")
     assert causes.subset(proof(), "facet_triangles", "facet_rotations") == ""
+
+
+def test_the_tests_that_a_method_makes_may_tie_its_time_to_its_hits():
+    scene = timed(hits={"G": UP})
+    for operations, said in (([10, 20, 30, 40], True), ([9, 1, 9, 1], False)):
+        scene.per_step["operations"] = np.tile(operations, len(KEYS))
+        scene.times["obb_sat"] = np.array([1.0, 2, 3.1, 4])
+        assert bool(causes.works(scene, "obb_sat")) is said
+
+
+def test_where_the_truth_comes_late_it_is_said():
+    evidence = proof()  # meets at steps 0 and 1
+    assert causes.truth_comes_late(evidence, 4) == ""
+    assert "100 % come in the second half" in causes.truth_comes_late(evidence, 0)
 
 
 def test_a_time_follows_the_stage_that_decides_how_far_a_pair_is_looked_at():

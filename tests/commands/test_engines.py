@@ -20,7 +20,7 @@ REST = ("babylon_obb", "babylon_aabb", "three_obb", "three_octree", "cannon_es_n
 LABELS = (*MESHES, *SOLIDS, *HULLS, *REST)
 NINE = ("obb_sat", "bounding_sphere", "rotated_aabb", "facet_distance", "obb_corners", "facet_vectors",
         "obb_triangles", "facet_triangles", "facet_rotations")
-OWN = ("exact", "cannon_naive", *NINE)
+OWN = ("exact", "cannon_naive", "cannon_sap", *NINE)
 NEEDS = {"three_bvh": "three-mesh-bvh", "rapier_trimesh": "@dimforge/rapier3d-compat", "manifold": "manifold-3d",
          "mujoco_hull": "@mujoco/mujoco", "jolt_hull": "jolt-physics", "oimo": "oimo"}
 
@@ -139,6 +139,12 @@ def test_sweep_and_prune_hides_pairs_and_invents_none(engines):
     skip_without("cannon_es_sap")
     for scene in SCENES:
         assert pairs(engines[scene], "cannon_es_sap") <= pairs(engines[scene], "cannon_es_naive")
+
+
+def test_our_sweep_and_prune_is_the_engine_s(engines):
+    skip_without("cannon_es_sap")
+    for scene in SCENES:
+        assert pairs(engines[scene], "cannon_es_sap") == pairs(engines[scene], "cannon_sap")
 
 
 def test_hulls_hold_their_meshes(engines):

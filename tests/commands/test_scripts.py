@@ -149,12 +149,3 @@ def test_a_build_folder_that_came_along_is_configured_anew_and_said(checkout, ho
     assert configured(root / "second") == 2
     assert (root / "first").exists() == (how == "copied"), "nothing is made in the folder that was"
     assert setup("second").stderr == "" and configured(root / "second") == 2
-
-
-def test_install_says_that_nothing_is_installed(tmp_path):
-    script = ROOT / "build" / "cmake_install.cmake"
-    if not script.is_file():
-        pytest.skip("the program was built elsewhere")
-    done = subprocess.run(["cmake", "--install", ROOT / "build", "--prefix", tmp_path], capture_output=True, text=True)
-    assert done.returncode != DONE and "nothing is installed" in done.stderr
-    assert list(tmp_path.iterdir()) == []

@@ -6,6 +6,7 @@ import {engine} from './engine.mjs';
 export function ammo(name, tests, shape, more) {
   engine({name, packages: ['ammojs-typed'], tests, precision: 'single', ...more.about}, async (world, {margin = 0}) => {
     const Ammo = await createRequire(import.meta.url)('ammojs-typed/wasm')();
+    delete globalThis.Ammo;  // it leaves itself there, and would hold the memory of the self-test
     const configuration = new Ammo.btDefaultCollisionConfiguration();
     const dispatcher = new Ammo.btCollisionDispatcher(configuration), broadphase = new Ammo.btDbvtBroadphase();
     const space = new Ammo.btDiscreteDynamicsWorld(dispatcher, broadphase, new Ammo.btSequentialImpulseConstraintSolver(),

@@ -1,9 +1,10 @@
 // Oimo.js: its broad phase and its narrow phase, on spheres and boxes.
+import {createRequire} from 'node:module';
 import {engine} from './engine.mjs';
 
 engine({name: 'oimo', packages: ['oimo'], tests: 'proxies: spheres, else boxes about the position', scope: 'scene'},
        async ({bodies}) => {
-  const OIMO = await import('./node_modules/oimo/build/oimo.module.js');  // as a package it is none that node imports
+  const OIMO = createRequire(import.meta.url)('oimo');
   const space = new OIMO.World({info: false});
   const made = bodies.map(({mesh: {sphere, reach}, fixed}, i) => {
     const shape = sphere ? {type: 'sphere', size: [sphere]} : {type: 'box', size: reach.map(x => 2 * x)};

@@ -7,7 +7,7 @@ namespace pipeline {
 const std::vector<Product>& products() {
   static const std::vector<Product> rows = {
       study_product(),  physics_product(),  gaps_product(),     noise_product(),
-      passes_product(), extremes_product(), machines_product(),
+      passes_product(), extremes_product(), machines_product(), proxies_product(),
   };
   return rows;
 }

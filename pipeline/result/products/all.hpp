@@ -10,6 +10,7 @@ Product gaps_product();
 Product noise_product();
 Product passes_product();
 Product extremes_product();
+Product proxies_product();
 Product machines_product();
 
 }  // namespace pipeline

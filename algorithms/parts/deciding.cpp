@@ -1,4 +1,4 @@
-#include "algorithms/deciding.hpp"
+#include "algorithms/parts/deciding.hpp"
 
 #include <algorithm>
 #include <optional>
