@@ -491,9 +491,10 @@ namespace {
 void read_solids(AlgorithmChoice& choice, double closed_within, std::vector<std::string>& notes) {
   SceneConfig reading;  // which knows where its files lie, and keeps their hashes
   reading.path = choice.folder / "configuration";
+  NodeFiles nodes;
   std::map<std::string, std::vector<geometry::Mesh>> solids;
   for (const FileOfMesh& file : choice.files) {
-    const MeshInput input = read_mesh(reading, file.written, file.place, file.mesh);
+    const MeshInput input = read_mesh(reading, {.file = file.written, .place = file.place}, file.mesh, nodes);
     try {
       solids[file.mesh] = algorithms::closed_components(input.mesh, closed_within);
     } catch (const std::invalid_argument& error) {

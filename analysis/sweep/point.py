@@ -18,11 +18,7 @@ import subprocess
 import sys
 import time
 
-<<<<<<< HEAD
-from .state import identity, inputs_sha256, write_json
-=======
 from .state import identity, inputs_sha256, read_json, write_json
->>>>>>> main
 
 NOTE = "warning: "
 STOPS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)

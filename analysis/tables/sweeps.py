@@ -9,17 +9,10 @@ from functools import lru_cache
 import numpy as np
 import pandas as pd
 
-<<<<<<< HEAD
-from ..load import load
-from . import pareto, scenes
-from .statements import verdicts
-from ..words import listed, verb
-=======
 from ..load import load
 from . import intervals, pareto, scenes
 from .statements import verdicts
 from ..words import listed, verb
->>>>>>> main
 
 OF_STATEMENTS = ("box", "falling", "playground")
 

@@ -14,6 +14,7 @@
 #include <stop_token>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "pipeline/system/file_bytes.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -125,27 +126,31 @@ std::optional<Seen> look(int folder, const std::string& name) {
   }
 }
 
-/// A file of one's own beside the name, that says who made it and, by its time, when.
+/// A file of one's own beside the name, that says who made it and, by its time, when. It is kept open: while it is, no
+/// other file gets its number.
 class Own {
  public:
   Own(int folder, const std::string& name, Seconds length) : folder_(folder) {
-    Descriptor file;
+    Descriptor made;
     do {
       path_ = new_file_name(name);
-      file = Descriptor(openat(folder, path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
-    } while (!file && errno == EEXIST);
-    if (!file) throw FileFailure("cannot be written", errno);
-    if (!write_all(file.number(), text_of(myself(length))) || futimens(file.number(), nullptr) != 0 ||
-        fstat(file.number(), &status_) != 0) {
-      const int error = errno;
-      unlinkat(folder, path_.c_str(), 0);
-      throw FileFailure("cannot be written", error);
-    }
+      made = Descriptor(openat(folder, path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+    } while (!made && errno == EEXIST);
+    if (!made) throw FileFailure("cannot be written", errno);
+    const bool written = write_all(made.number(), text_of(myself(length)));
+    const int error = errno;
+    made.close();  // NFS shows others what was closed
+    file_ = Descriptor(openat(folder, path_.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    if (written && file_ && futimens(file_.number(), nullptr) == 0 && fstat(file_.number(), &status_) == 0) return;
+    const FileFailure failure("cannot be written", written ? errno : error);
+    unlinkat(folder, path_.c_str(), 0);
+    throw failure;
   }
   ~Own() { unlinkat(folder_, path_.c_str(), 0); }
   Own(const Own&) = delete;
   Own& operator=(const Own&) = delete;
 
+  Descriptor file() { return std::move(file_); }
   const struct stat& status() const { return status_; }
 
   /// Links it to the name; false where another stands.
@@ -161,6 +166,7 @@ class Own {
  private:
   int folder_;
   std::string path_;
+  Descriptor file_;
   struct stat status_;
 };
 
@@ -198,6 +204,7 @@ struct Lease::Held {
   int folder;
   std::string name;
   struct stat mine;
+  Descriptor file;
   std::mutex mutex = {};
   std::condition_variable_any ended = {};
   std::jthread renewing = {};  // last: ends first
@@ -219,13 +226,13 @@ Lease::~Lease() {
 }
 
 std::unique_ptr<Lease> take_lease(int folder, const std::string& name, Seconds length) {
-  const Own own(folder, name, length);
+  Own own(folder, name, length);
   if (!own.link_to(name)) {
     const auto seen = look(folder, name);
     if (seen && (!is_stale(*seen, own, length) || !remove_seen(folder, name, *seen))) return nullptr;
     if (!own.link_to(name)) return nullptr;
   }
-  auto held = std::make_unique<Lease::Held>(folder, name, own.status());
+  std::unique_ptr<Lease::Held> held(new Lease::Held{folder, name, own.status(), own.file()});
   try {
     held->renewing = std::jthread([&held = *held, length](const std::stop_token& stop) { held.keep(stop, length); });
   } catch (const std::system_error&) {  // no thread to be had: the lease is as long as it is

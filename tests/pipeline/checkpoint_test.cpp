@@ -11,6 +11,7 @@
 
 #include "geometry/meshes/shapes.hpp"
 #include "pipeline/config.hpp"
+#include "pipeline/result/answer_chunk.hpp"
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/motion.hpp"
 #include "pipeline/stages/truth.hpp"
@@ -487,7 +488,6 @@ TEST(ChunkReader, AllocatesNothingForWhatIsNotThere) {
 
 // Chunks whose checksum holds although no run wrote them: the lists would be read beyond their ends.
 TEST(Checkpoint, TakesNoChunkOfAnotherSize) {
-  TemporaryFolder folder;
   geometry::Bodies bodies;
   bodies.meshes = {geometry::box("box", {1, 1, 1})};
   bodies.name = {"a", "b"};
@@ -502,6 +502,8 @@ TEST(Checkpoint, TakesNoChunkOfAnotherSize) {
     out.put(std::vector<Pair>{});
     out.put(std::vector<std::uint32_t>{});
     out.put(std::vector<std::int64_t>(times));
+    put_machine({}, out);
+    const TemporaryFolder folder;
     Checkpoint part(folder / "p", kKey, "title", 3, true);
     part.save(chunk_name("truth", 0), out.bytes);
     Progress progress("", 0, true);
@@ -518,7 +520,6 @@ TEST(Checkpoint, TakesNoChunkOfAnotherSize) {
 }
 
 TEST(Checkpoint, TakesNoMotionOfAnotherSize) {
-  TemporaryFolder folder;
   const Config config = parse_config("steps = 3\n[scene]\nkind = \"box\"\n[scene.births]\ncount = 2\n", "a.toml");
   const Scene scene = make_scene(config);
   const auto motion_of = [&](std::size_t samples, std::size_t rows, const std::string& failure) {
@@ -527,6 +528,7 @@ TEST(Checkpoint, TakesNoMotionOfAnotherSize) {
     out.put(std::vector<PhysicsSample>(rows));
     out.put(failure);
     out.put(std::vector<double>{0});
+    const TemporaryFolder folder;
     Checkpoint part(folder / "p", kKey, "title", 3, true);
     part.save(chunk_name("motion", 0), out.bytes);
     Progress progress("", 0, true);
