@@ -701,7 +701,15 @@ const sees = (() => {
       hit,
       tie: Math.abs(best.gap) / lengths(a, b),
       because: hit ? `${what} overlap by ${metres(-best.gap)}` : `${what} are ${metres(best.gap)} apart`,
-      rows: [...rows, ["compared", capsules ? "the segments within" : `${one.length} × ${other.length} balls`]],
+      rows: [
+        ...rows,
+        [
+          "compared",
+          capsules
+            ? "the segments within"
+            : `${one.length} × ${other.length} balls, where those about the whole bodies touch`,
+        ],
+      ],
       marks: hit ? {} : { lines: [[along(best.from, to, best.r), along(best.to, to, -best.t)]] },
     };
   }

@@ -191,6 +191,8 @@
       rows.push(["position", at.map((x, c) => number(x * data.unit + data.centre[c] - off[c])).join("  ") + " m"]);
     } else rows.push(["position", born < 0 || step() < born ? "not born yet" : "lost: the motion failed"]);
     if (born > 0) rows.push(["born", `at step ${born}`]);
+    if (at && algorithm() && state.sees && sees.what(algorithm().name))
+      rows.push(["drawn", sees.what(algorithm().name)]);
     const partners = listed.flatMap((kind) => now[kind].filter((p) => p.includes(body)).map((p) => [p, kind]));
     return [
       element("strong", {}, name(body)),
@@ -253,8 +255,7 @@
               ? "they meet"
               : "they do not meet",
     ]);
-    if (measured && measured.pairs)
-      rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn bold`]);
+    if (measured && measured.pairs) rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn bold`]);
     else if (measured && measured.gap)
       rows.push([
         "surfaces",

@@ -510,6 +510,7 @@ repeats = 1
 NINE = ("obb_sat", "bounding_sphere", "rotated_aabb", "facet_distance", "obb_corners", "facet_vectors",
         "obb_triangles", "facet_triangles", "facet_rotations")  # fmt: skip
 OTHERS = ("aabb", "cannon_naive", "cannon_sap")
+BALLS = ("spheres", "capsule", "spheres:count=3@three")  # asked of what the file has in place of meshes
 KNOBS = (
     "facet_distance:prefilter=aabb,max_distance=0.5,facets_per_area=2",
     "facet_distance:prefilter=none,densify=false",
@@ -527,7 +528,7 @@ KNOBS = (
 def asked(pipeline, result_file, tmp_path_factory):
     """scene -> a result in which the nine, others and their knobs were asked: "falling" and "playground"."""
     folder = tmp_path_factory.mktemp("asked")
-    choices = [*NINE, *OTHERS, *(f"{choice}@knobs_{i}" for i, choice in enumerate(KNOBS))]
+    choices = [*NINE, *OTHERS, *BALLS, *(f"{choice}@knobs_{i}" for i, choice in enumerate(KNOBS))]
     (folder / "playground.toml").write_text(PLAYGROUND + '[[algorithm]]\nname = "exact"\n')
     subprocess.run([pipeline, "run", folder / "playground.toml", "-o", folder / "playground.h5", "--quiet"],
                    check=True, stdout=subprocess.DEVNULL)
@@ -568,8 +569,11 @@ def test_what_the_page_computes_is_what_the_pipeline_answered(asked, tmp_path, n
     steps = range(3, run.meta["steps"], every)
     found = recount(asked(name), steps, tmp_path)
     moving = (~run.bodies["fixed"]).sum()
-    assert found["count"] >= len(steps) * moving * len(NINE + OTHERS + KNOBS), "every pair with a moving body"
-    assert [one for one in found["wrong"] if one["tie"] > 1e-13] == []
+    assert found["count"] >= len(steps) * moving * len(NINE + OTHERS + BALLS + KNOBS), "every pair with a moving body"
+    # `spheres` asks first whether the tightest balls about the whole bodies touch, and those are not in the file.
+    beyond = [one for one in found["wrong"] if one["label"] in ("spheres", "three") and one["hit"]]
+    assert [one for one in found["wrong"] if one["tie"] > 1e-13 and one not in beyond] == []
+    assert len(beyond) <= found["count"] / 1000
     counts = run.per_step[run.per_step.step.isin(steps)].groupby("algorithm", observed=True).hits.sum()
     if name == "playground":  # the falling spheres are too coarse for some: no triangles
         assert [label for label in run.meta["algorithms"] if counts[label] == 0] == [], "both answers must occur"
