@@ -78,8 +78,8 @@ struct Spheres {
   }
 
   /// Of a pair whose tightest balls touch: each ball of a that touches b's tightest against all of b that touch a's. A
-  /// point that the bodies share is in all four. One of a that touches one of b need not touch b's tightest, beyond which
-  /// b's balls may reach: asked of a alone, the answer would depend on which body comes first.
+  /// point that the bodies share is in all four. One of a that touches one of b need not touch b's tightest, beyond
+  /// which b's balls may reach: asked of a alone, the answer would depend on which body comes first.
   template <class Count>
   bool parts_touch(std::uint32_t a, std::uint32_t b, Count& count) {
     const std::span<const Ball> of_a = balls(a), of_b = balls(b);
