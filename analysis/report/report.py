@@ -235,14 +235,6 @@ def foreign_sections(runs, found):
     return [part for part in [foreign(runs)] if part]
 
 
-def choice_sections(runs, found):
-    return [part for part in [choice.section(found)] if part]
-
-
-def engines_sections(runs, found):
-    return engines_figures.sections([run for run in runs if not is_study(run)])
-
-
 def about_sections(runs, found):
     return [*([definitions()] if any(not is_study(run) for run in runs) else []), provenance(runs)]
 
