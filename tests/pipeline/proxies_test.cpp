@@ -21,7 +21,7 @@ geometry::Bodies two_meshes() {
   return bodies;
 }
 
-Proxies proxies_of(const std::string& argument) { return proxies_of(two_meshes(), {parse_algorithm(argument)}); }
+Proxies of_argument(const std::string& argument) { return proxies_of(two_meshes(), {parse_algorithm(argument)}); }
 
 geometry::Mesh read_back(const MeshProxy& row) { return geometry::parse_mesh(proxy_text(row), "x.obj", "x"); }
 
@@ -38,7 +38,7 @@ TEST(Proxies, AreThereForEveryMeshOfMethodsThatHaveSome) {
 }
 
 TEST(Proxies, OfSolidsAreParted) {
-  const MeshProxy ring = proxies_of("hulls:count=6").rows.at(1);
+  const MeshProxy ring = of_argument("hulls:count=6").rows.at(1);
   ASSERT_EQ(ring.parts, 6u);
   ASSERT_EQ(ring.solid_offset.size(), 7u);
   const std::vector<geometry::Mesh> solids = solids_of(ring);
@@ -52,7 +52,7 @@ TEST(Proxies, OfSolidsAreParted) {
 }
 
 TEST(Proxies, OfALabelBindItsRowAgain) {
-  Proxies recorded = proxies_of("hulls:count=6@mine");
+  Proxies recorded = of_argument("hulls:count=6@mine");
   AlgorithmChoice choice = parse_algorithm("proxy@mine");
   ASSERT_TRUE(bind_recorded(choice, recorded));
   const Proxies again = proxies_of(two_meshes(), {choice});
@@ -64,7 +64,7 @@ TEST(Proxies, OfALabelBindItsRowAgain) {
 }
 
 TEST(Proxies, AreWrittenAsMeshesThatReadBack) {
-  const MeshProxy hulls = proxies_of("hulls:count=6").rows.at(1);
+  const MeshProxy hulls = of_argument("hulls:count=6").rows.at(1);
   const geometry::Mesh back = read_back(hulls);
   EXPECT_EQ(back.vertices, hulls.vertices);
   EXPECT_EQ(back.triangles, hulls.triangles);
@@ -74,7 +74,7 @@ TEST(Proxies, AreWrittenAsMeshesThatReadBack) {
 // Balls become meshes whose corners are on them.
 TEST(Proxies, OfBallsAndCapsulesAreWrittenAsSurfaces) {
   for (const std::string argument : {"spheres:count=4", "capsule"}) {
-    const MeshProxy row = proxies_of(argument).rows.at(1);
+    const MeshProxy row = of_argument(argument).rows.at(1);
     const geometry::Mesh back = read_back(row);
     EXPECT_TRUE(geometry::solid_of(back, 0).closed) << argument;
     for (const geometry::Vec3& v : back.vertices) {
