@@ -17,7 +17,6 @@ from ..tables.sentences import FIGURES as CZECH
 from ..tables.statements import PUBLISHED
 
 
-
 def make_of(entry):
     return entry[1]
 

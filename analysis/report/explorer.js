@@ -15,6 +15,10 @@ const MARKS = { o: "circle", s: "square", "^": "triangle-up", v: "triangle-down"
   p: "M0,-1L.95,-.31L.59,.81L-.59,.81L-.95,-.31Z", 8: "M-.4,-1L.4,-1L1,-.4L1,.4L.4,1L-.4,1L-1,.4L-1,-.4Z" };
 const shown = n => n === null || n === undefined ? "\u2013" : n !== 0 && (Math.abs(n) < 1e-3 || Math.abs(n) >= 1e6)
   ? n.toExponential(2) : Math.abs(n) >= 1000 ? Math.round(n).toLocaleString("en").replace(/,/g, "\u202f") : +n.toPrecision(3) + "";
+// A colour that is seen on black too: dark ones are mixed with white there.
+const seen = colour => { if (!root.classList.contains("dark")) return colour;
+  const parts = [1, 3, 5].map(i => parseInt(colour.slice(i, i + 2), 16)), light = (.3 * parts[0] + .59 * parts[1] + .11 * parts[2]) / 255;
+  return light > .4 ? colour : "#" + parts.map(p => Math.round(p + (255 - p) * (light < .1 ? .9 : .45)).toString(16).padStart(2, "0")).join(""); };
 const element = (name, more = {}, ...inside) => { const made = Object.assign(document.createElement(name), more);
   made.append(...inside); return made; };
 
@@ -94,8 +98,8 @@ function explorer(place) {
     const best = state.front && !unlike ? front(values) : [];
     for (const p of values) {
       p.text = describe(p); p.best = best.includes(p);
-      p.fill = p.scope === "scene" ? (dark ? "#16181b" : "#fff") : dark && p.colour === "#000000" ? "#eee" : p.colour;
-      p.stroke = dark && p.colour === "#000000" ? "#eee" : p.colour;
+      p.fill = p.scope === "scene" ? (dark ? "#16181b" : "#fff") : seen(p.colour);
+      p.stroke = seen(p.colour);
       p.shape = MARKS[p.mark] || "circle";
       const timed = state.x === "time_mean_ns" && p.time_mean_low_ns && p.time_mean_high_ns;
       p.low = timed ? p.time_mean_low_ns / 1e3 : p.px; p.high = timed ? p.time_mean_high_ns / 1e3 : p.px;
@@ -119,7 +123,7 @@ function explorer(place) {
     const a0 = a => a.domain.slice();
     const spec = { width: width - 2, height: Math.min(460, Math.max(300, width * .62)), padding: 5, autosize: { type: "fit", contains: "padding" },
       background: dark ? "#16181b" : "#fff", description: MEASURES[state.y][0] + " against " + MEASURES[state.x][0],
-      config: { axis: { labelColor: ink, titleColor: ink, gridColor: faint, domainColor: ink, tickColor: ink, labelFontSize: 12, titleFontSize: 13, titleFontWeight: "normal" } },
+      config: { axis: { labelColor: ink, titleColor: ink, gridColor: faint, domainColor: ink, tickColor: ink, labelFontSize: 12, titleFontSize: width < 460 ? 10 : 13, titleFontWeight: "normal" } },
       signals: [ { name: "focus", value: lit.now },
         { name: "anchor", value: null, on: [{ events: "wheel[event.ctrlKey || event.metaKey]", update: "{x: invert('x', x()), y: invert('y', y())}" }] },
         { name: "zoom", value: { by: 1 }, on: [{ events: "wheel![event.ctrlKey || event.metaKey]", force: true, update: "{by: pow(1.002, event.deltaY)}" }] },
@@ -182,7 +186,7 @@ function explorer(place) {
         "triangle-left": "M-1,0L.9,-1V1Z", "triangle-right": "M1,0L-.9,-1V1Z", diamond: "M0,-1L.8,0L0,1L-.8,0Z", cross: "M-.4,-1H.4V-.4H1V.4H.4V1H-.4V.4H-1V-.4H-.4Z" };
       const shape = document.createElementNS(path.namespaceURI, "path");
       shape.setAttribute("d", basic[own] || own);
-      const colour = root.classList.contains("dark") && p.colour === "#000000" ? "#eee" : p.colour;
+      const colour = seen(p.colour);
       shape.setAttribute("fill", p.scope === "scene" ? "none" : colour); shape.setAttribute("stroke", colour); shape.setAttribute("stroke-width", .3);
       path.append(shape);
       const pick = element("button", { type: "button", className: "pick", title: "highlight" }, path, element("span", { textContent: p.label }));

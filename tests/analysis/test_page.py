@@ -318,3 +318,12 @@ def test_sections_name_their_view(made):
     points = json.loads(data.replace("&#34;", '"').replace("&#39;", "'").replace("&amp;", "&"))["points"]
     assert all(point["colour"].startswith("#") and point["mark"] for point in points)
     assert {point["language"] for point in points} == {"C++"}
+
+
+def test_the_recipe_of_the_readme_finds_the_pairs_by_hand(result):
+    recipe = re.search(r"import h5py, numpy as np\n.*?(?=```)", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)[0]
+    found = {}
+    exec(recipe.replace("results/padani.h5", str(result)), found)
+    truth = load(result).truth_pairs
+    assert len(truth) and list(found["step"]) == list(truth.step)
+    assert found["pair"].tolist() == truth[["a", "b"]].to_numpy().tolist()

@@ -54,6 +54,7 @@ def made(time, hits=None, truth=0, born=None, physics=None, passes=None, kind="b
         bodies=pd.DataFrame({"first_step": born if born is not None else [0, 0, 0]}),
         physics=physics,
         passes=passes,
+        unlike={},
     )
 
 
