@@ -271,6 +271,7 @@ def extremes_table(run):
     title = "At which gap engines begin to err, by how far from the origin"
     caption = ("Cases of bodies of about a metre. Deepest missed: the greatest depth by which two bodies meet that are "
                "not reported; farthest reported: the greatest gap of a pair that is reported and does not meet; 0: "
-               "none. What a hull or a box adds to a body counts as reported. Distances of far cases are those of the bodies "
+               "none. What a hull or a box adds to a body counts as reported. Distances of far cases are those of "
+               "the bodies "
                "as rounded there.")
     return Table(title, frame, caption)

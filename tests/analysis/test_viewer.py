@@ -275,7 +275,8 @@ def assert_drawn_where_they_are(page, path, steps):
     data = page.evaluate("(({first, count, bodies, unit, centre}) => ({first, count, unit, centre, "
                          "bodies: bodies.length}))(JSON.parse(document.getElementById('data').textContent))")
     for step in steps:
-        there = page.evaluate(f"(viewer.go({step}), Array.from({{length: {data['bodies']}}}, (_, b) => viewer.drawn(b)))")
+        there = page.evaluate(f"(viewer.go({step}), Array.from({{length: {data['bodies']}}}, (_, b) => "
+                              f"viewer.drawn(b)))")
         for body, vertices in enumerate(there):
             true = true_vertices(path, step, body)
             at = np.array(vertices) * data["unit"] + data["centre"]
