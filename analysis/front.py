@@ -31,6 +31,7 @@ FACTORS = (0.25, 0.5, 2, 4)  # of a knob's preset, the first time
 FILTERS = ("none", "aabb", "bounding_sphere", "obb_sat", "cannon_naive")  # fast ones
 LEAVE_OUT = {"containment", "search"}  # the question itself; the same answers by another way
 NEAR = 2.0  # times the time of the fastest that errs no more: nearer is asked again, and kept
+UNASKED = {"proxy"}  # it needs files
 PEERS = {"fcl_bvh"}  # what a build may lack
 WORTH = 60  # settings asked again at most, the nearest first
 
@@ -70,7 +71,8 @@ def parsed(arguments):
 
 def search(chosen, folder):
     """The settings worth asking: [(label, algorithm, knobs)], presets first."""
-    table = [row for row in json.loads(pipeline(chosen, "list", "algorithms", "--json"))]
+    table = [row for row in json.loads(pipeline(chosen, "list", "algorithms", "--json"))
+             if row["name"] not in UNASKED and (not row["library"] or row["name"] in PEERS)]
     scene = replay(chosen, folder)
     asked = {}
     first = coarse(table)

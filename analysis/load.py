@@ -57,7 +57,10 @@ class Run:
 
     @property
     def failed(self):
-        """label -> why it ended, and how far it came, of methods of others that failed at a step."""
+        """label -> why it ended, and how far it came, of methods of others that failed at a step. None in a scene of
+        extremes: there a failure is the answer to its case, and the others are whole."""
+        if self.extremes is not None:
+            return {}
         ended = {label: answers for label, answers in self.meta["answers"].items() if answers.get("status") == "failed"}
         return {label: (answers["reason"], answers["steps_done"]) for label, answers in ended.items()}
 

@@ -88,7 +88,7 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-numpy, python3-h5py, python3-h5netcdf, python3-xarray, python3-pandas, python3-matplotlib, python3-xxhash, python3-jinja2, python3-scipy, libjs-three")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-numpy, python3-h5py, python3-h5netcdf, python3-xarray, python3-pandas, python3-matplotlib, python3-xxhash, python3-jinja2, python3-scipy, libjs-three, libjs-vega")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "nodejs, snakemake, bash-completion")
 # What python3 keeps of the modules that it has read.
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/described/prerm @ONLY CONTENT [=[

@@ -190,7 +190,7 @@ const std::multimap<std::string, std::string> kMore = {
      "[[scene.path]]\naxis = 'x'\n[[scene.path]]\naxis = 'y'\nrotation = [['x', 1]]\n"
      "[[scene.path]]\nfrom = [0, 0, 0]\nto = [1, 0, 0]\norientation = [1, 0, 0, 0]\n"},
     {"replay",
-     "poses = 'p.csv'\neuler = 'xyz'\n[[scene.body]]\nname = 'a'\nmesh = 'a.glb'\nnode = 'b'\nposes = "
+     "poses = 'p.csv'\neuler = 'xyz'\n[[scene.body]]\nname = 'a'\nmesh = 'a.glb'\nnode = 'b'\nscale = 1\nposes = "
      "'a.txt'\n[[scene.body]]\nname = 'b'\nshape = 'sphere'\n"
      "radius = 1\nfixed = true\nposition = [0, 0, 0]\norientation = [1, 0, 0, 0]\n[[scene.robot]]\nurdf = "
      "'a.urdf'\njoints = 'j.csv'\n"},

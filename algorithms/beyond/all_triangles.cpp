@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <type_traits>
 
 #include "algorithms/beyond/triangle_tests.hpp"
 #include "algorithms/contract/prefilter.hpp"
@@ -58,19 +60,38 @@ struct Tree {
   }
 };
 
-/// Four numbers, the fourth is 0: a register or two.
+struct FloatRegister {
+  using Type = float __attribute__((vector_size(16)));
+};
+struct DoubleRegister {
+  using Type = double __attribute__((vector_size(16)));
+};
+
+/// Four numbers side by side, the fourth is 0: as many registers as that takes on any x86-64 processor, one or two. GCC
+/// 12 compares vectors that are wider than a register number by number.
 template <class Number>
-using Four = std::array<Number, 4>;
+struct Four {
+  static constexpr int kLanes = 16 / sizeof(Number), kRegisters = 4 / kLanes;
+  using Register = typename std::conditional_t<std::is_same_v<Number, float>, FloatRegister, DoubleRegister>::Type;
+  Register part[kRegisters];
+
+  Four() = default;
+  Four(Number x, Number y, Number z) {
+    const Number from[4] = {x, y, z, 0};
+    std::memcpy(part, from, sizeof part);
+  }
+  Number operator[](int i) const { return part[i / kLanes][i % kLanes]; }
+};
 
 template <class Number>
 struct Range {
   Four<Number> min, max;
 
-  void add(const Four<Number>& p) { add({p, p}); }
+  void add(const Four<Number>& p) { add(Range{p, p}); }
   void add(const Range& other) {
-    for (int k = 0; k < 4; ++k) {
-      min[k] = other.min[k] < min[k] ? other.min[k] : min[k];
-      max[k] = other.max[k] > max[k] ? other.max[k] : max[k];
+    for (int k = 0; k < Four<Number>::kRegisters; ++k) {
+      min.part[k] = other.min.part[k] < min.part[k] ? other.min.part[k] : min.part[k];
+      max.part[k] = other.max.part[k] > max.part[k] ? other.max.part[k] : max.part[k];
     }
   }
 };
@@ -125,8 +146,7 @@ struct AllTriangles {
       trees.emplace_back(one);
       std::vector<Four<Number>>& vertices = local.emplace_back();
       vertices.reserve(one.vertices.size());
-      for (const geometry::Vec3& v : one.vertices)
-        vertices.push_back({Number(v.x()), Number(v.y()), Number(v.z()), Number(0)});
+      for (const geometry::Vec3& v : one.vertices) vertices.emplace_back(Number(v.x()), Number(v.y()), Number(v.z()));
     }
     for (std::size_t body = 0; body < bodies.size(); ++body) {
       placed[body].vertices.resize(local[mesh[body]].size());
@@ -174,22 +194,28 @@ struct AllTriangles {
     const Tree& of = trees[mesh[body]];
     for (std::size_t i = of.nodes.size(); i-- > 0;) {
       const auto& [first, last, second] = of.nodes[i];
-      Box& box = to.nodes[i];
       if (second) {
-        box = to.nodes[i + 1];
-        box.add(to.nodes[second]);
+        Box both = to.nodes[i + 1];
+        both.add(to.nodes[second]);
+        to.nodes[i] = both;
         continue;
       }
-      box = {to.vertices[of.facets[first][0]], to.vertices[of.facets[first][0]]};
+      Box around{to.vertices[of.facets[first][0]], to.vertices[of.facets[first][0]]};
       for (std::uint32_t f = first; f < last; ++f)
-        for (const std::uint32_t v : of.facets[f]) box.add(to.vertices[v]);
+        for (const std::uint32_t v : of.facets[f]) around.add(to.vertices[v]);
+      to.nodes[i] = around;
     }
   }
 
+  /// ((r0 x + r1 y) + r2 z) + t, as geometry::to_world.
   static void turn(const At<Number>& pose, const Four<Number>* from, std::size_t size, Four<Number>* to) {
+    Four<Number> column[3], t(pose.t[0], pose.t[1], pose.t[2]);
+    for (int k = 0; k < 3; ++k) column[k] = Four<Number>(pose.r[0][k], pose.r[1][k], pose.r[2][k]);
     for (std::size_t i = 0; i < size; ++i)
-      for (int k = 0; k < 3; ++k)
-        to[i][k] = ((pose.r[k][0] * from[i][0] + pose.r[k][1] * from[i][1]) + pose.r[k][2] * from[i][2]) + pose.t[k];
+      for (int k = 0; k < Four<Number>::kRegisters; ++k)
+        to[i].part[k] =
+            ((column[0].part[k] * from[i][0] + column[1].part[k] * from[i][1]) + column[2].part[k] * from[i][2]) +
+            t.part[k];
   }
 
   Box box(std::uint32_t body, const Facet& f) const {
@@ -211,14 +237,18 @@ struct AllTriangles {
   bool ask(std::uint32_t a, std::uint32_t a_first, std::uint32_t a_last, std::uint32_t b, std::uint32_t b_first,
            std::uint32_t b_last, Count& count) const {
     const std::vector<Facet>&of_a = trees[mesh[a]].facets, &of_b = trees[mesh[b]].facets;
-    for (std::uint32_t i = a_first; i < a_last; ++i) {
-      const Box around = box(a, of_a[i]);
-      const std::array<Vector, 3> one = corners(a, of_a[i]);
-      for (std::uint32_t j = b_first; j < b_last; ++j) {
-        count += 1;
-        if (!bare && !touch(around, box(b, of_b[j]))) continue;
-        count += !bare;
-        if (Test(one, corners(b, of_b[j]))) return true;
+    std::array<Box, Tree::kLeaf> boxes;  // of some facets of b
+    for (std::uint32_t some = b_first; some < b_last; some += Tree::kLeaf) {
+      const std::uint32_t end = std::min(b_last, some + Tree::kLeaf);
+      for (std::uint32_t j = some; j < end; ++j) boxes[j - some] = box(b, of_b[j]);
+      for (std::uint32_t i = a_first; i < a_last; ++i) {
+        const Box around = box(a, of_a[i]);
+        for (std::uint32_t j = some; j < end; ++j) {
+          count += 1;
+          if (!bare && !touch(around, boxes[j - some])) continue;
+          count += !bare;
+          if (Test(corners(a, of_a[i]), corners(b, of_b[j]))) return true;
+        }
       }
     }
     return false;

@@ -98,7 +98,7 @@ class Octree final : public Method {
   }
 
  private:
-  static constexpr std::size_t kPlaces = 8;  // in leaves, of a body, for which memory is taken beforehand
+  static constexpr std::size_t kPlaces = 16;  // in leaves, of a body, for which memory is taken beforehand
 
   /// The asked pairs that share a leaf, each once, into near_.
   template <class Count>

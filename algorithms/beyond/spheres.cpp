@@ -77,7 +77,9 @@ struct Spheres {
     return out;
   }
 
-  /// Of a pair whose tightest balls touch: each ball of a that touches b's tightest against all of b.
+  /// Of a pair whose tightest balls touch: each ball of a that touches b's tightest against all of b that touch a's. A
+  /// point that the bodies share is in all four. One of a that touches one of b need not touch b's tightest, beyond
+  /// which b's balls may reach: asked of a alone, the answer would depend on which body comes first.
   template <class Count>
   bool parts_touch(std::uint32_t a, std::uint32_t b, Count& count) {
     const std::span<const Ball> of_a = balls(a), of_b = balls(b);
@@ -88,7 +90,8 @@ struct Spheres {
       for (const Ball& other : of_b) {
         count += 1;
         const geometry::Vec3 d = one.centre - other.centre;
-        if (balls_touch(d.x(), d.y(), d.z(), one.radius + other.radius)) return true;
+        if (balls_touch(d.x(), d.y(), d.z(), one.radius + other.radius) && whole.touch(other.centre, other.radius, a))
+          return true;
       }
     }
     return false;

@@ -49,8 +49,8 @@ struct Quadric {
 
 struct Collapse {
   double cost;
-  std::uint32_t keep, go;               // the vertices, keep < go
-  std::uint32_t keep_age, go_age;       // when it was thought of: a vertex that moved since makes it void
+  std::uint32_t keep, go;          // the vertices, keep < go
+  std::uint32_t keep_age, go_age;  // when it was thought of: a vertex that moved since makes it void
   Vec3 to;
 
   /// The queue's top is the cheapest; of equals the first.
@@ -203,8 +203,8 @@ class Simplifier {
   }
 
   Vec3 middle_;
-  std::vector<Vec3> vertices_;                     // about the middle
-  std::vector<Facet> facets_;                      // gone: one vertex three times
+  std::vector<Vec3> vertices_;                      // about the middle
+  std::vector<Facet> facets_;                       // gone: one vertex three times
   std::vector<std::vector<std::uint32_t>> around_;  // #vertices: facets
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> age_;  // #vertices: how often it changed

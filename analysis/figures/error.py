@@ -250,15 +250,14 @@ def _trade_finding(table):
         best = table.iloc[0]
         return f"Every label misses something; {best.label} least, {number(best.missed)} pairs"
     best = safe.loc[safe.precision.idxmax()]
-    quick = safe.loc[safe["mean time (µs)"].idxmin()]
-    words = (
-        f"No misses first: {counted(len(safe), 'label')} {verb(len(safe), 'misses', 'miss')} nothing; "
-        f"{best.label} has the "
-    )
-    words += (
-        f"fewest false positives of them, {number(best['false positives'])}, at "
-        f"{number(best['mean time (µs)'])} µs"
-    )
+    words = f"No misses first: {counted(len(safe), 'label')} {verb(len(safe), 'misses', 'miss')} nothing; "
+    words += f"{best.label} has the "
+    words += f"fewest false positives of them, {number(best['false positives'])}"
+    timed = safe[safe["mean time (µs)"].notna()]
+    if best.label not in set(timed.label):
+        return words
+    quick = timed.loc[timed["mean time (µs)"].idxmin()]
+    words += f", at {number(best['mean time (µs)'])} µs"
     if quick.label != best.label:
         words += (
             f"; {quick.label} is the quickest, {number(quick['mean time (µs)'])} µs with "

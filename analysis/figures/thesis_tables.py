@@ -213,8 +213,7 @@ def in_javascript(run):
     """[label of C++, label of JavaScript]: the same method in both languages and by the same procedure, timed on one
     machine and build."""
     answers, timed = run.meta["answers"], set(comparable(run)) - set(twins(run))
-    theirs = {told["name"]: label for label, told in answers.items()
-              if told.get("language", "").startswith("JavaScript") and told["name"] in KEYS.values()}
+    theirs = {KEYS[letter]: label for letter, label in javascript(run).items()}
     return [(label, theirs[told["name"]]) for label, told in answers.items()
             if not told.get("transport") and told["name"] in theirs and {label, theirs[told["name"]]} <= timed]
 
@@ -273,9 +272,8 @@ def languages_figure(run, kind, name):
     title += "both answer alike on every pair" if same == 1 else alike
     what = (
         f"The same methods in both languages, timed in turn on the same {run.meta['steps']} steps; numbers are"
-        " JavaScript's time over that of C++, in brackets the 95 % interval where there are steps enough. What C++ "
-        "gains"
-        " by an index is left out; its vector instructions and orders that learn are not."
+        " JavaScript's time over that of C++, in brackets the 95 % interval where there are steps enough. What C++"
+        " gains by an index is left out; its vector instructions and orders that learn are not."
     )
     table_name = f"table {TABLE[kind]}" if kind in TABLE else "section 6.1"
     return Figure(title, svg_of(fig), caption(run, what, table_name), table, name)

@@ -6,7 +6,7 @@ import os
 import pandas as pd
 
 from ..figures import error as plots_error
-from ..figures import engines as engines_figures
+from ..engines import section as engines
 from ..figures import extremes as extremes_figures
 from ..figures import knobs as knobs_figures
 from ..figures import nine
@@ -226,7 +226,7 @@ def choice_sections(runs, found):
 
 
 def engines_sections(runs, found):
-    return engines_figures.sections([run for run in runs if not is_study(run)])
+    return engines.sections([run for run in runs if not is_study(run)])
 
 
 def knobs_sections(runs, found):

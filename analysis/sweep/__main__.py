@@ -194,7 +194,6 @@ class Job:
             "cwd": sweep.folder,
             "options": sweep.options,
             "threads": sweep.threads,
-            "shards": chosen.shards,
             "check": [],
             "run": [],
         }
@@ -353,7 +352,7 @@ class Job:
 
     def snakemake(self, target, jobs, progress=False):
         """Has Snakemake make `target`. What it says goes to a log; a point that it could not run has no state."""
-        write_json(os.path.join(self.work, "plan.json"), self.plan)
+        write_json(os.path.join(self.work, "plan.json"), self.plan | {"shards": self.chosen.shards})
         for name in ("checked", "ran"):
             shutil.rmtree(os.path.join(self.work, name), ignore_errors=True)
         snakefile = os.path.join(HERE, "Snakefile")

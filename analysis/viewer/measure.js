@@ -77,7 +77,7 @@ const measure = (() => {
     const det = a * b - g * g;
     let t = det > 0 ? clamp((g * f - c * b) / det) : 0,
       u = b > 0 ? (g * t + f) / b : 0;
-    if (u < 0 || u > 1) {
+    if (u < 0 || u > 1 || b === 0) {
       u = clamp(u);
       t = a > 0 ? clamp((g * u - c) / a) : 0;
     }

@@ -373,7 +373,7 @@ const sees = (() => {
     return [
       `facets of ${body.name}`,
       `${many(count, "point")} of ${facets.toLocaleString("en")}` +
-        (stride > 1 ? `, every ${stride}th` : "") +
+        (stride > 1 ? `, one in ${stride.toLocaleString("en")}` : "") +
         (facets > own ? ` (made denser, its mesh has ${own.toLocaleString("en")})` : ""),
     ];
   };
@@ -701,7 +701,15 @@ const sees = (() => {
       hit,
       tie: Math.abs(best.gap) / lengths(a, b),
       because: hit ? `${what} overlap by ${metres(-best.gap)}` : `${what} are ${metres(best.gap)} apart`,
-      rows: [...rows, ["compared", capsules ? "the segments within" : `${one.length} × ${other.length} balls`]],
+      rows: [
+        ...rows,
+        [
+          "compared",
+          capsules
+            ? "the segments within"
+            : `${one.length} × ${other.length} balls, where those about the whole bodies touch`,
+        ],
+      ],
       marks: hit ? {} : { lines: [[along(best.from, to, best.r), along(best.to, to, -best.t)]] },
     };
   }

@@ -191,6 +191,8 @@
       rows.push(["position", at.map((x, c) => number(x * data.unit + data.centre[c] - off[c])).join("  ") + " m"]);
     } else rows.push(["position", born < 0 || step() < born ? "not born yet" : "lost: the motion failed"]);
     if (born > 0) rows.push(["born", `at step ${born}`]);
+    if (at && algorithm() && state.sees && sees.what(algorithm().name))
+      rows.push(["drawn", sees.what(algorithm().name)]);
     const partners = listed.flatMap((kind) => now[kind].filter((p) => p.includes(body)).map((p) => [p, kind]));
     return [
       element("strong", {}, name(body)),
@@ -253,12 +255,11 @@
               ? "they meet"
               : "they do not meet",
     ]);
-    if (measured && measured.pairs)
-      rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn in black`]);
+    if (measured && measured.pairs) rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn bold`]);
     else if (measured && measured.gap)
       rows.push([
         "surfaces",
-        `${number(measured.gap.distance * data.unit)} m apart${within ? " (inside)" : ""}, drawn in black`,
+        `${number(measured.gap.distance * data.unit)} m apart${within ? " (inside)" : ""}, drawn bold`,
       ]);
     return [
       head,
@@ -335,7 +336,7 @@
     const own = seen.stopped
       ? [
           [
-            `${one.name} alone`,
+            `${one.label} alone`,
             seen.own === null ? seen.because : `would ${seen.own ? "report it" : "be silent"}: ${seen.because}`,
           ],
         ]
@@ -765,7 +766,7 @@
       wrong = [];
     let count = 0;
     for (const one of algorithms) {
-      if (!sees.what(one.name)) continue;
+      if (!sees.what(one.name) && !meshes.some((mesh) => mesh.proxies[one.label])) continue;
       const [fp, fn, inside] = [one.fp, one.fn, one.inside].map((list) => keys(list.at(k)));
       for (let a = 0; a < all.length; ++a)
         for (let b = a + 1; b < all.length; ++b) {
@@ -774,6 +775,7 @@
             id = key(pair),
             said = fp.has(id) || inside.has(id) || (met.has(id) && !fn.has(id)),
             { hit, tie } = compared(one, pair, all, true);
+          if (hit === null) continue;
           ++count;
           if (hit !== said) wrong.push({ label: one.label, step, pair, said, hit, tie });
         }

@@ -97,9 +97,12 @@ def step_page(path, step=None, label=None, window=None, unsealed=False):
     if not 0 <= step < steps:
         raise Unfit(f"--step {step}: {path} has the steps 0 to {steps - 1}")
     if window is None:
-        first, end = max(0, step - AROUND), min(steps, step + AROUND + 1)
-        while (size := _window_bytes(run, first, end)) > USUAL_BYTES and end - first > 1:
-            first, end = step - (step - first) // 2, step + 1 + (end - step - 1) // 2
+        around = AROUND
+        while True:
+            first, end = max(0, step - around), min(steps, step + around + 1)
+            if (size := _window_bytes(run, first, end)) <= USUAL_BYTES or around == 0:
+                break
+            around = around * 4 // 5
     else:
         first, end, _ = window.indices(steps)
         if (window.stop or 0) > steps or first >= end:

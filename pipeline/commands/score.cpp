@@ -1,10 +1,12 @@
 #include "pipeline/commands/score.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/commands/command.hpp"
@@ -146,6 +148,15 @@ std::optional<Json> read_baseline(const std::filesystem::path& path, bool may_mi
   return json;
 }
 
+/// Whether it is a result itself, which can stand for the baseline that it would make.
+bool is_result(const std::filesystem::path& path) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(path, none)) return false;
+  std::array<char, 4> start{};
+  std::ifstream(path, std::ios::binary).read(start.data(), start.size());
+  return std::string_view(start.data(), start.size()) == "\x89HDF";
+}
+
 std::string as_text(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
 
 void compare(const std::string& of, const Json& before, const Json& now, std::vector<Change>& out) {
@@ -202,7 +213,8 @@ Score score(const Result& result, const std::filesystem::path& path, const Score
   const std::string place = path.string();
   std::optional<OutputFile> target;
   if (options.write) target.emplace(path, Existing::update);
-  const std::optional<Json> before = read_baseline(path, options.write);
+  const std::optional<Json> before = !options.write && is_result(path) ? baseline_of(read_result(path), options.times)
+                                                                       : read_baseline(path, options.write);
   const Json now = baseline_of(result, options.times);
 
   Score out;
@@ -307,7 +319,7 @@ void add_score(CLI::App& program, int& code) {
   const auto o = std::make_shared<Options>();
   CLI::App& command = *program.add_subcommand("score", "Compare a result with a recorded baseline, or record one");
   add_file(command, o->file);
-  command.add_option("--against", o->baseline, "Baseline, a JSON file")->required();
+  command.add_option("--against", o->baseline, "Baseline, a JSON file; or another result")->required();
   command.add_flag("--write", o->write, "Record: make or replace the baseline");
   CLI::Option* times = command.add_flag("--times", o->times, "Compare (or record) times too, as ratios within the run");
   command.add_option("--tolerance", o->tolerance, "A time ratio changed by more than this factor is a difference")
@@ -327,7 +339,8 @@ void add_score(CLI::App& program, int& code) {
     put(o->json ? score_json(scored, o->file, o->baseline) : score_text(scored, o->baseline));
     code = o->write || scored.same() ? kDone : kFailed;
     if (code == kFailed)
-      complain(o->file, "differs from " + o->baseline + "; if that is meant, record it with --write");
+      complain(o->file, "differs from " + o->baseline +
+                            (is_result(o->baseline) ? "" : "; if that is meant, record it with --write"));
   });
 }
 

@@ -52,9 +52,9 @@ struct Score {
   bool same() const { return changes.empty() && fresh.empty() && missing.empty() && beyond_tolerance.empty(); }
 };
 
-/// Compares; with options.write also records, unless nothing changed. Throws Error(kFile) when the baseline is missing
-/// (and is not to be written), is no JSON, no baseline or of another schema, or cannot be written. A file that is no
-/// baseline is not replaced.
+/// Compares, also with another result; with options.write also records, unless nothing changed. Throws Error(kFile)
+/// when the baseline is missing (and is not to be written), is no JSON, no baseline or of another schema, or cannot be
+/// written. A file that is no baseline is not replaced.
 Score score(const Result& result, const std::filesystem::path& baseline, const ScoreOptions& options);
 
 std::string score_text(const Score& score, const std::string& baseline);

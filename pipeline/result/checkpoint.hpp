@@ -47,10 +47,10 @@ struct CheckpointStatus {
   std::string title;
   std::int64_t steps = 0;
   std::int64_t motion_steps = 0, truth_steps = 0, answered_steps = 0;
-  bool moved = false;              // the motion is made
-  std::vector<std::string> held = {};   // "answers-0000050 by process 4711 on n2": chunks that are being made
-  const Product* alone = nullptr;  // what is made instead of a scene: then `steps` are its cases
-  std::int64_t cases = 0;          // finished
+  bool moved = false;                  // the motion is made
+  std::vector<std::string> held = {};  // "answers-0000050 by process 4711 on n2": chunks that are being made
+  const Product* alone = nullptr;      // what is made instead of a scene: then `steps` are its cases
+  std::int64_t cases = 0;              // finished
 };
 CheckpointStatus checkpoint_status(const std::filesystem::path& folder);
 

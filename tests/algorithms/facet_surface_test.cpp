@@ -130,11 +130,11 @@ TEST(FacetGjk, ReachesFartherByItsKnob) {
   const auto at = [&](double reach) {
     Changed changed = open_to_all();
     changed.push_back({"reach", reach});
-    return met("facet_gjk", ball, {}, ball, {{}, {2.1, 0, 0}}, changed);
+    return met("facet_gjk", ball, {}, ball, {{}, {2.4, 0, 0}}, changed);
   };
   EXPECT_FALSE(at(0.0));
   EXPECT_FALSE(at(0.5));
-  EXPECT_TRUE(at(4.0));
+  EXPECT_TRUE(at(8.0));
 }
 
 // Flat, straight, single and repeated facets have an answer, and are apart where nothing is near.

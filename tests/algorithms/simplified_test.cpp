@@ -24,7 +24,7 @@ TEST(Simplified, KeepsClosedShapesClosedAndTheirVolume) {
   for (const Mesh& mesh : {sphere("sphere", 1, 16), capsule("capsule", 3, 0.6, 0.6, 16), torus("torus", 6, 1, 16),
                            torus_knot("knot", 1, 0.3, 64, 12, 2, 3)}) {
     SCOPED_TRACE(mesh.name);
-    const std::size_t wanted = mesh.triangles.size() / 4;
+    const std::size_t wanted = mesh.triangles.size() / 3;
     const Mesh less = simplified(mesh, wanted);
     EXPECT_LE(less.triangles.size(), wanted);
     EXPECT_GE(less.triangles.size(), wanted - 2);

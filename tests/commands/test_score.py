@@ -49,6 +49,26 @@ def test_a_baseline_holds_what_the_file_holds(result, baseline):
             assert row["answers"] == file["answers"][label].attrs["digest"]
 
 
+def test_two_results_are_compared_directly(result, baseline, tmp_path):
+    other = shutil.copy(result, tmp_path / "other.h5")
+    same = pipeline("score", result, "--against", other)
+    assert same.returncode == DONE and f"same as {other}: " in same.stdout
+    assert pipeline("detect", other, "--algorithm", "aabb@one_more", "--quiet").returncode == DONE
+    unlike = pipeline("score", result, "--against", other)
+    assert unlike.returncode == FAILED and "one_more: missing, only in the baseline" in unlike.stdout
+    assert one_line(unlike) == f"{result}: differs from {other}"  # and nothing can be recorded in a result
+    # As by way of a baseline.
+    (tmp_path / "by_way.json").unlink(missing_ok=True)
+    assert pipeline("score", other, "--against", tmp_path / "by_way.json", "--write").returncode == DONE
+    assert pipeline("score", result, "--against", tmp_path / "by_way.json").stdout == unlike.stdout
+    before = other.read_bytes()
+    assert pipeline("score", result, "--against", other, "--write").returncode == FILE
+    assert other.read_bytes() == before
+    (tmp_path / "cut.h5").write_bytes(before[:5000])
+    cut = pipeline("score", result, "--against", tmp_path / "cut.h5")
+    assert cut.returncode == FILE and "cut.h5" in one_line(cut)
+
+
 def test_a_baseline_reads_well_in_a_diff(result, baseline):
     text = baseline.read_text()
     assert text == json.dumps(json.loads(text), indent=2, sort_keys=True, ensure_ascii=False) + "\n"

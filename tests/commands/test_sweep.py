@@ -311,6 +311,31 @@ def test_the_index_holds_copies_and_links_that_open(swept):
     assert opened.sizes == {"row": 12} and "error" in opened
 
 
+@needs_snakemake
+def test_one_configuration_is_shared_by_workers(folder, pipeline):
+    done = sweep(folder, "--shards", "2", name="small.toml")
+    assert done.returncode == DONE and "2 workers share the rest" in done.stderr, done.stderr
+    (point,) = manifest(folder).values()
+    subprocess.run([pipeline, "run", folder / "small.toml", "-o", folder / "plain.h5", "--quiet"], check=True,
+                   capture_output=True)  # fmt: skip
+    assert point["name"] == "small" and point["digest"] == load(folder / "plain.h5").meta["digest"]
+    names = {path.name for path in (folder / "out" / "points").iterdir()}
+    assert names == {"small.h5", "small.json", "small.log", "small.work-0.log", "small.work-1.log"}
+    again = sweep(folder, "--shards", "2", name="small.toml")
+    assert again.returncode == DONE and starts(folder) == {"small": point["began"]}
+
+
+@needs_snakemake
+def test_a_shared_point_whose_motion_cannot_be_made_is_a_row_with_its_reason(folder):
+    """Nobody asks `check` where the sweep says what points take."""
+    written(folder, SMALL + "[grid]\nscene.segments = [4, 0]\n[resources]\nmemory_mb = 100\nminutes = 1\n")
+    done = sweep(folder, "--shards", "1")
+    assert done.returncode == FAILED, done.stderr
+    found = manifest(folder)
+    assert found["segments=4"]["status"] == "done" and found["segments=0"]["status"] == "failed"
+    assert "'scene.segments' must be" in found["segments=0"]["reason"] and found["segments=0"]["exit_code"] == INPUT
+
+
 def test_a_folder_of_a_sweep_is_no_result(swept):
     with pytest.raises(ValueError, match="folder of a sweep; load_sweep reads it"):
         load(swept[0] / "out")

@@ -13,10 +13,13 @@ import h5py
 import pytest
 from program import DONE, FAILED, FILE, INPUT, INTERRUPTED, PIPELINE, ROOT, pipeline
 
+from analysis.figures.drawing import steps_of
 from analysis.load import load
+from analysis.report import report
+from analysis.tables import pareto
 
 SMOKE = str(ROOT / "configs" / "smoke.toml")
-LONG = ["--set", "steps=300", "--set", "timing.repeats=40"]  # six chunks of truth and of answers
+LONG = ["--set", "steps=300", "--set", "timing.repeats=150"]  # six chunks of truth and of answers
 CHUNKS = 6
 LEASE = 1.0  # s, short enough to wait for
 
@@ -86,6 +89,21 @@ def assembled(part, *more):
     assert not part.exists()
     assert [entry.name for entry in part.parent.iterdir()] == [path.name]
     return digest(path)
+
+
+def made_only(part, *wanted, **how):
+    """Has a worker make these chunks of answers alone: whoever makes the others is somewhere else."""
+    names = [f"answers-{first:07}" for first in wanted]
+    claims = [part / f"answers-{first:07}.claim" for first in range(0, 300, 50) if first not in wanted]
+    for claim in claims:
+        claim.write_text(json.dumps({"host": "elsewhere", "lease_s": 3600}))
+    more = how.pop("more", [])
+    one = worker(part, *more, **how)
+    wait_for(lambda: all((part / name).exists() for name in names))
+    one.send_signal(signal.SIGTERM)
+    one.communicate()
+    for claim in claims:
+        claim.unlink()
 
 
 # ---- The same as alone
@@ -416,16 +434,8 @@ def test_a_method_that_fails_has_failed_in_every_order(tmp_path, order):
     assert run.returncode == FAILED and "failed after 60 of 120 steps" in run.stderr
     assert pipeline("run", config, "-o", tmp_path / "x.h5", "--motion-only").returncode == DONE
     part = tmp_path / "x.h5.part"
-    for chunk in order:  # whoever holds the others is somewhere else
-        claims = [part / f"answers-{50 * other:07}.claim" for other in range(3) if other != chunk]
-        for claim in claims:
-            claim.write_text(json.dumps({"host": "elsewhere", "lease_s": 3600}))
-        one = worker(part, "--config", config)
-        wait_for(lambda: (part / f"answers-{50 * chunk:07}").exists())
-        one.send_signal(signal.SIGTERM)
-        one.communicate()
-        for claim in claims:
-            claim.unlink()
+    for chunk in order:
+        made_only(part, 50 * chunk, more=["--config", config])
     run = pipeline("run", config, "-o", tmp_path / "x.h5")
     assert run.returncode == FAILED and "failed after 60 of 120 steps" in run.stderr
     assert digest(tmp_path / "x.h5") == digest(tmp_path / "alone.h5")
@@ -478,10 +488,7 @@ def machine(tmp_path_factory):
 def unlike(moved, machine, tmp_path_factory, alone):
     """A run whose chunks two unlike machines made."""
     part = shutil.copytree(moved, tmp_path_factory.mktemp("unlike") / "x.h5.part")
-    first = worker(part, env=machine("n1", "Slow 1000"))
-    wait_for(lambda: len(chunks(part, "answers")) >= 2)
-    first.send_signal(signal.SIGTERM)
-    first.communicate()
+    made_only(part, 0, 50, env=machine("n1", "Slow 1000"))
     ended(worker(part, env=machine("n2", "Quick 9000")))
     assert assembled(part) == alone, "who made it is no part of the digest"
     return part.with_suffix("")
@@ -519,12 +526,17 @@ def test_times_of_unlike_processors_are_said_and_are_no_time_of_the_run(unlike, 
         assert score.returncode == DONE and "timed on unlike processors" in score.stdout, score.stderr
 
 
+def test_the_report_says_so_and_draws_no_such_time(unlike):
+    page = report.report([load(unlike)])
+    assert "timed on unlike processors (Slow 1000; Quick 9000): all algorithms" in page
+    points = pareto.scenes([load(unlike)])[0].points
+    assert points.time_mean_ns.isna().all() and not any(len(times) for times in points.times)
+    assert (steps_of(load(unlike)).time_ns == 0).all()
+
+
 def test_like_processors_of_several_hosts_are_one(moved, machine, tmp_path):
     part = shutil.copytree(moved, tmp_path / "x.h5.part")
-    first = worker(part, env=machine("n1", "Same"))
-    wait_for(lambda: len(chunks(part, "answers")) >= 2)
-    first.send_signal(signal.SIGTERM)
-    first.communicate()
+    made_only(part, 0, 150, env=machine("n1", "Same"))
     ended(worker(part, env=machine("n2", "Same")))
     assembled(part)
     shown = pipeline("show", part.with_suffix("")).stdout

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "pipeline/foreign/foreign_method.hpp"
+#include "pipeline/system/heap.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/progress.hpp"
 

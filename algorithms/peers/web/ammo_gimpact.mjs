@@ -30,5 +30,5 @@ function asked(Ammo, {space, dispatcher, made}) {
   };
 }
 
-ammo('ammo_gimpact', 'surfaces of the meshes (GImpact)', shape,
+ammo('ammo_gimpact', 'surfaces of the meshes', shape,
      {about: {scope: 'scene'}, asked, ready: shape => shape.updateBound()});

@@ -3,9 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from ..tables import engines, pareto
-from .drawing import digits, guarded, log_seconds, shortened, time_text
-from .figure import FALSE_POSITIVE, MISSED, Figure, Points, Section, Table, figure, slug, svg_of
+from . import answers as engines
+from ..tables import pareto
+from ..figures.drawing import digits, guarded, log_seconds, shortened, time_text
+from ..figures.study import space
+from ..figures.figure import FALSE_POSITIVE, MISSED, Figure, Points, Section, Table, figure, slug, svg_of
 from ..words import counted, listed, number, verb
 
 LEAST = 2  # labels: with fewer there is nothing to compare
@@ -40,10 +42,11 @@ def points(run, name):
 
 
 def who(answered):
-    kinds = {tests: listed(mine.index) for tests, mine in answered.groupby("tests", sort=False)}
-    each = "; ".join(f"{tests}: {names}" for tests, names in kinds.items())
-    return (f"{counted(len(answered), 'label')} of other people's engines {verb(len(answered), 'answers', 'answer')}. "
-            f"What they take bodies for: {each}.")
+    each = [f"{number(len(mine))} by {tests} ({listed(mine.index)})" if tests != engines.NOT_SAID else
+            f"{number(len(mine))} {verb(len(mine), 'does', 'do')} not say by what ({listed(mine.index)})"
+            for tests, mine in answered.groupby("tests", sort=False)]
+    return (f"{counted(len(answered), 'label')} of other people's engines {verb(len(answered), 'answers', 'answer')}: "
+            f"{'; '.join(each)}.")
 
 
 def right(answered):
@@ -71,10 +74,8 @@ def fastest(run, answered):
     found = [text + "."]
     own = own_exact(run)
     if own is not None:
-        found.append(f"This project's {own['label']} takes {with_interval(own)}: {ratio_text(best, own)} less than "
-                     f"{never[0]}." if own["time_mean_ns"] < best["time_mean_ns"] else
-                     f"This project's {own['label']} takes {with_interval(own)}: {ratio_text(own, best)} as long as "
-                     f"{never[0]}.")
+        found.append(f"This project's {own['label']} takes {with_interval(own)}; {never[0]} takes "
+                     f"{ratio_text(best, own)} as long.")
     return found
 
 
@@ -92,20 +93,24 @@ def wrong(run, answered):
     """How far from right: distances of false positives; what is missed is said without, for depths are not recorded."""
     found = []
     some = answered[answered["false_positive"] > 0].sort_values("false_positive")
-    each = []
+    each = {}
     for label, row in some.iterrows():
-        text = f"{label} in {number(int(row['false_positive']))}"
+        text = number(int(row["false_positive"]))
         if row["beyond"] > 0:
-            text += f", {number(int(row['beyond']))} of them farther than {digits(run.gaps.attrs['margin'])} m"
+            text += f", {number(int(row['beyond']))} of them farther apart than {digits(run.gaps.attrs['margin'])} m"
         elif row["gap"] == row["gap"]:
             text += f", at most {digits(row['gap'])} m apart"
-        each.append(text)
+        each.setdefault(text, []).append(label)
     if each:
-        found.append(f"Pairs that do not meet are reported by {'; '.join(each)}.")
-    some = answered[answered["false_negative"] > 0].sort_values("false_negative")
-    if len(some):
-        each = listed([f"{label} ({number(int(row['false_negative']))})" for label, row in some.iterrows()])
-        found.append(f"Pairs that meet are missed by {each}.")
+        texts = "; ".join(f"{listed(labels)} ({text})" for text, labels in each.items())
+        found.append(f"Pairs that do not meet are reported by {texts}.")
+    missed = {}
+    for label, count in answered["false_negative"].sort_values().items():
+        if count > 0:
+            missed.setdefault(number(int(count)), []).append(label)
+    if missed:
+        texts = "; ".join(f"{listed(labels)} ({count})" for count, labels in missed.items())
+        found.append(f"Pairs that meet are missed by {texts}.")
     return found
 
 
@@ -132,12 +137,13 @@ def by_margin(answered):
 
 def languages(answered):
     known = answered[(answered["language"] != "") & (answered["time_mean_ns"] > 0)]
-    kinds = {name: mine.sort_values("time_mean_ns").iloc[0] for name, mine in
-             known.groupby(known["language"].str.partition(" ")[0].str.rstrip(","), sort=False)}
+    word = [language.split()[0].rstrip(",") for language in known["language"]]
+    grouped = known.groupby(pd.Series(word, known.index, dtype=object), sort=False)
+    kinds = {name: mine.sort_values("time_mean_ns").iloc[0] for name, mine in grouped}
     if len(kinds) < 2:
         return []
-    each = [f"{name} {row.name} ({time_text(row['time_mean_ns'])})" for name, row in kinds.items()]
-    return [f"The fastest, right or wrong, are of {'; of '.join(each)}."]
+    each = [f"{row.name} in {name} ({time_text(row['time_mean_ns'])})" for name, row in kinds.items()]
+    return [f"The fastest of each language, right or wrong: {listed(each)}."]
 
 
 def with_interval(row):
@@ -161,18 +167,15 @@ def picture(run, key):
     labels = list(answered.index)
     fig, (left, right_) = figure(1, 2, height=0.3 * len(labels) + 1.5, sharey=True)
     place = np.arange(len(labels))[::-1]
-    foot = np.zeros(len(labels))
-    handles = []
-    for column, colour, name in (("false_negative", MISSED, "missed"),
-                                 ("false_positive", FALSE_POSITIVE, "false positive"),
-                                 ("contained_hit", CONTAINED, "inside, reported")):
-        if column not in answered:
-            continue
+    handles, most = [], 1.0
+    kinds = (("false_negative", MISSED, "missed"), ("false_positive", FALSE_POSITIVE, "false positive"),
+             ("contained_hit", CONTAINED, "inside, reported"))
+    for row, (column, colour, name) in enumerate(kind for kind in kinds if kind[0] in answered):
         width = answered[column].to_numpy(float)
-        handles.append(left.barh(place, width, 0.7, left=foot, color=colour, label=name))
-        foot = foot + width
+        handles.append(left.barh(place + 0.27 * (1 - row), width, 0.26, color=colour, label=name))
+        most = max(most, width.max())
     left.set_xscale("symlog", linthresh=1)
-    left.set(xlabel="pairs over all steps", xlim=(0, max(foot.max(), 1) * 2))
+    left.set(xlabel="pairs over all steps", xlim=(0, 2 * most))
     left.set_yticks(place, shortened(labels, 24).values())
     time = answered["time_mean_ns"].to_numpy(float) / 1e9
     low, high = (answered.get(f"time_mean_{end}_ns", answered["time_mean_ns"]).fillna(answered["time_mean_ns"])
@@ -181,7 +184,8 @@ def picture(run, key):
     right_.plot(time, place, "o", color="#333333", markersize=4)
     right_.set_xlabel("mean time a step")
     log_seconds(right_, "x")
-    fig.legend(handles=handles, loc="outside upper center", ncols=3)
+    space(fig, top=0.3)
+    fig.legend(handles=handles, loc="upper center", ncols=3, frameon=False, fontsize=9)
     never = engines.without_error(answered)
     title = (f"{never[0]} is the fastest of {counted(len(never), 'engine')} without an error" if never else
              "No engine is without an error")
@@ -199,7 +203,7 @@ def table(run, name):
         "library": (answered["library"] + " " + answered["version"]).str.strip(),
         "tests": answered["tests"],
         "language": answered["language"],
-        "precision": answered["precision"],
+        "precision": answered["arithmetic"],
         "asked": answered["asked"],
         "error": answered["error"],
         "false positives": answered["false_positive"].astype("Int64"),
@@ -238,13 +242,12 @@ def near_and_far(run):
 def extremes_points(run, name):
     found, near, far = near_and_far(run)
     told = []
-    never = [label for label in found.index.get_level_values("label").unique()
-             if (found.loc[label, ["misses", "reports"]] == 0).all(axis=None)]
+    labels = list(found.index.get_level_values("label").unique())
+    never = [label for label in labels if (found.loc[label, ["misses", "reports"]] == 0).all(axis=None)]
     if never:
-        told.append(f"At no gap and no offset {verb(never, 'errs', 'err')} {listed(never)}.")
-    for label in found.index.get_level_values("label").unique():
-        if label in never:
-            continue
+        told.append(f"On boxes, spheres and capsules {listed(never)} {verb(never, 'errs', 'err')} at no gap and no "
+                    "offset.")
+    for label in (label for label in labels if label not in never):
         told.append(f"{label} " + "; ".join(f"{words}: {begin_text(found.loc[(label, offset)])}" for words, offset in (
             ("near the origin" if near == 0 else f"{near:g} m from the origin", near),
             (f"{far:g} m from it in each coordinate", far))) + ".")
@@ -267,11 +270,12 @@ def begin_text(row):
 def extremes_table(run):
     found, _, _ = near_and_far(run)
     frame = found.reset_index().rename(columns={
-        "offset": "offset (m)", "misses": "deepest missed (m)", "reports": "farthest reported (m)"})
+        "offset": "offset (m)", "misses": "deepest missed (m)", "reports": "farthest reported (m)",
+        "other_misses": "of other shapes: deepest missed (m)", "other_reports": "farthest reported (m) "})
     title = "At which gap engines begin to err, by how far from the origin"
-    caption = ("Cases of bodies of about a metre. Deepest missed: the greatest depth by which two bodies meet that are "
-               "not reported; farthest reported: the greatest gap of a pair that is reported and does not meet; 0: "
-               "none. What a hull or a box adds to a body counts as reported. Distances of far cases are those of "
-               "the bodies "
-               "as rounded there.")
+    caption = ("Cases of bodies of about a metre: boxes, spheres and capsules, then all other shapes, which are not "
+               "convex, lie in another or have no volume. Deepest missed: the greatest depth by which two bodies meet "
+               "that are not reported; farthest reported: the greatest gap of a pair that is reported and does not "
+               "meet; 0: none. What a hull or a box adds to a body counts as reported. Distances of far cases are "
+               "those of the bodies as rounded there.")
     return Table(title, frame, caption)

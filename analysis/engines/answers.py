@@ -9,8 +9,11 @@ import json
 import numpy as np
 import pandas as pd
 
-from . import extremes, pareto
+from ..tables import extremes, pareto
 
+NOT_SAID = "not said"
+# Of a scene of extremes the pairs of shapes that every engine is made for: convex, with a volume, none in another.
+PLAIN = ("box-box", "sphere-box", "sphere-sphere", "box-capsule", "sphere-capsule", "capsule-capsule")
 # Of libraries that answer in the program's own process a file has the version alone.
 IN_PROCESS = {"fcl_bvh": ("surfaces of the meshes", "C++", "double", "BSD-3-Clause")}
 
@@ -25,17 +28,18 @@ def engines(run):
 
 
 def about(run, label):
-    """What a file tells of a method of others: name, version, tests, language, precision, licence, asked, knobs."""
+    """What a file tells of a method of others: name, version, what it tests, language, arithmetic (the
+    precision in which it decides), licence, how it was asked, knobs."""
     told = run.meta["answers"][label]
-    tests, language, precision, licence = IN_PROCESS.get(told.get("name", label), ("",) * 4)
+    tests, language, arithmetic, licence = IN_PROCESS.get(told.get("name", label), ("",) * 4)
     library, _, version = told.get("library", "").rpartition(" ")
     return {
         "algorithm": told.get("name", label),
         "library": library or told.get("name", label),
         "version": told.get("version") or version,
-        "tests": told.get("tests") or tests or "not said",
+        "tests": told.get("tests") or tests or NOT_SAID,
         "language": told.get("language") or language,
-        "precision": told.get("precision") or precision,
+        "arithmetic": told.get("precision") or arithmetic,
         "licence": told.get("licence") or licence,
         "asked": told.get("transport") or "in process",
         "knobs": _knobs(told.get("knobs", "{}")),
@@ -96,9 +100,10 @@ def begins(run):
     """Where each method of others begins to err in a scene of extremes, by offset: rows (label, offset in m).
 
     Of bodies of about a metre (the scale that is there nearest to it). Columns: cases and failed; misses (m): the
-    greatest depth of a pair that meets and is not reported; reports (m): the greatest gap of a pair that is reported
-    and does not meet; 0 where it never errs so, NaN where it failed in all cases. A body wholly inside another, or
-    beyond it, is no part: there no surfaces meet, and what to say is a matter of taste.
+    greatest depth of a pair of PLAIN shapes that meets and is not reported; reports (m): the greatest gap of one that
+    is reported and does not meet; other_misses and other_reports: the same of all other pairs of shapes. 0 where it
+    never errs so, NaN where it failed in all cases. A body wholly inside another, or beyond it, is no part: there no
+    surfaces meet, and what to say is a matter of taste.
     """
     cases = extremes.answered(run)
     scales = cases["scale"].unique()
@@ -108,14 +113,15 @@ def begins(run):
         mine = cases[cases["algorithm"] == label]
         for offset, some in mine.groupby("offset"):
             well = some[~some["failed"]]
-            missed = -well.loc[well["truth"] & ~well["reported"] & (well["gap"] <= 0), "gap"]
-            false = well.loc[~well["truth"] & well["reported"] & (well["gap"] > 0), "gap"]
-            rows[label, offset] = {
-                "cases": len(some),
-                "failed": int(some["failed"].sum()),
-                "misses": float(missed.max() if len(missed) else 0) if len(well) else np.nan,
-                "reports": float(false.max() if len(false) else 0) if len(well) else np.nan,
-            }
+            plain = well["pair"].isin(PLAIN)
+            rows[label, offset] = {"cases": len(some), "failed": int(some["failed"].sum())}
+            for start, kind in (("", well[plain]), ("other_", well[~plain])):
+                missed = kind.loc[kind["truth"] & ~kind["reported"] & (kind["gap"] <= 0), "gap"]
+                false = kind.loc[~kind["truth"] & kind["reported"] & (kind["gap"] > 0), "gap"]
+                rows[label, offset] |= {
+                    f"{start}misses": abs(missed.min()) if len(missed) else 0.0 if len(kind) else np.nan,
+                    f"{start}reports": false.max() if len(false) else 0.0 if len(kind) else np.nan,
+                }
     table = pd.DataFrame.from_dict(rows, orient="index")
     table.index = pd.MultiIndex.from_tuples(table.index, names=["label", "offset"])
     return table
