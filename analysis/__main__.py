@@ -132,7 +132,8 @@ def opened(paths, unsealed=False):
             if kind not in KINDS:
                 other = scenes.kind(run)
                 other = f"{other} scene that the thesis does not have" if other else "study, not a scene"
-                raise ValueError(f"is of a {f'{kind} scene' if kind else other}; the statements are about {', '.join(KINDS)}")
+                raise ValueError(f"is of a {f'{kind} scene' if kind else other}; the statements are about "
+                                 f"{', '.join(KINDS)}")
             name = kind + PUBLISHED if beside.get(kind) is run else kind
             if name in found:
                 raise ValueError(f"is a second file of a {kind} scene")

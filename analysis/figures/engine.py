@@ -129,7 +129,8 @@ def parts_of_a_step(run, kind, key):
 def against_collisions(run, kind, key):
     """Collision time against hits, physics time against contacts."""
     steps, columns, physics = parts(run)
-    shown = [(label, steps.hits[:, i], steps.time_ns[:, i], style(algorithm(run, label), label)["color"], "pairs it reports")
+    shown = [(label, steps.hits[:, i], steps.time_ns[:, i], style(algorithm(run, label), label)["color"],
+              "pairs it reports")
              for label, i in columns.items()]
     shown.append(("physics", physics.contacts.to_numpy(dtype=float), physics.time_ns.to_numpy(dtype=float),
                   PHYSICS["color"], "contacts"))
@@ -212,7 +213,8 @@ def per_collision(run, kind, key):
     steps, columns, physics = parts(run)
     contacts = physics.contacts.to_numpy(dtype=float)
     shown = {
-        label: (steps.time_ns[:, i], steps.hits[:, i], style(algorithm(run, label), label)) for label, i in columns.items()
+        label: (steps.time_ns[:, i], steps.hits[:, i], style(algorithm(run, label), label))
+        for label, i in columns.items()
     }
     shown["physics"] = (physics.time_ns.to_numpy(dtype=float), contacts, PHYSICS)
     fig, axes = figure(height=3.8)

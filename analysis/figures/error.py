@@ -58,7 +58,10 @@ def finding(points, cost):
     if cost == "operations" and points.unit.nunique() > 1:
         ends = points.loc[points[cost].idxmin()], points.loc[points[cost].idxmax()]
         each = [f"{number(end[cost])} {end.unit} ({end.label})" for end in ends]
-        return f"Elementary tests a step are of {points.unit.nunique()} kinds, which do not compare: from {each[0]} to {each[1]}"
+        return (
+            f"Elementary tests a step are of {points.unit.nunique()} kinds, which do not compare: from {each[0]} "
+            f"to {each[1]}"
+        )
     show = time if cost == "time_mean_ns" else lambda value: f"{number(value)} operations"
     cheapest = "fastest" if cost == "time_mean_ns" else "cheapest"
     if not len(points):
@@ -193,7 +196,8 @@ def memory(size):
 def trade(scene, key):
     """The figure of precision against recall: no misses first."""
     points = scene.points.reset_index(drop=True)
-    points = points[points.recall.notna() & points.precision.notna()] if {"recall", "precision"} <= set(points) else points[:0]
+    points = points[points.recall.notna() & points.precision.notna()] if {"recall",
+        "precision"} <= set(points) else points[:0]
     table = pd.DataFrame({
         "label": points.label, "recall": points.get("recall"), "precision": points.get("precision"),
         "missed": points.false_negative.astype("int64"), "false positives": points.false_positive.astype("int64"),
@@ -214,7 +218,8 @@ def trade(scene, key):
         fig.draw_without_rendering()
         box = axes.get_window_extent()
         marks = axes.transData.transform(points[["recall", "precision"]].to_numpy(dtype=float))
-        few = list(range(len(points))) if len(points) <= NAMED else list(np.flatnonzero(points.recall.to_numpy() == 1))[:NAMED]
+        safe = np.flatnonzero(points.recall.to_numpy() == 1)
+        few = list(range(len(points)) if len(points) <= NAMED else safe[:NAMED])
         texts = shortened(points.label.iloc[few], LONGEST)
         sizes = np.array([labels.size(texts[points.label.iloc[i]], TEXT) for i in few]).reshape(-1, 2)
         put, leaders = labels.place(few, sizes, (box.x0, box.y0, box.x1, box.y1), marks, np.full(len(marks), 5.0), [])
@@ -229,8 +234,10 @@ def trade(scene, key):
                 colour = style(points.algorithm.iloc[i], label)["color"]
                 fig.add_artist(Line2D(*ends.T, color=colour, linewidth=0.7, gid=f"of:{label}"))
     caption = (
-        f"{scene.title}: {counted(len(points), 'label')}. On the dashed line nothing is missed: whoever may miss nothing chooses "
-        "there, the higher the fewer false positives; times stand in the table, which has those that miss nothing first."
+        f"{scene.title}: {counted(len(points), 'label')}. On the dashed line nothing is missed: whoever may miss "
+        f"nothing chooses "
+        "there, the higher the fewer false positives; times stand in the table, which has those that miss nothing "
+        "first."
     )
     return Figure(_trade_finding(table), svg_of(fig, titles), caption, table, key)
 
@@ -243,7 +250,8 @@ def _trade_finding(table):
         best = table.iloc[0]
         return f"Every label misses something; {best.label} least, {number(best.missed)} pairs"
     best = safe.loc[safe.precision.idxmax()]
-    words = f"No misses first: {counted(len(safe), 'label')} {verb(len(safe), 'misses', 'miss')} nothing; {best.label} has the "
+    words = f"No misses first: {counted(len(safe), 'label')} {verb(len(safe), 'misses', 'miss')} nothing; "
+    words += f"{best.label} has the "
     words += f"fewest false positives of them, {number(best['false positives'])}"
     timed = safe[safe["mean time (µs)"].notna()]
     if best.label not in set(timed.label):
@@ -251,7 +259,10 @@ def _trade_finding(table):
     quick = timed.loc[timed["mean time (µs)"].idxmin()]
     words += f", at {number(best['mean time (µs)'])} µs"
     if quick.label != best.label:
-        words += f"; {quick.label} is the quickest, {number(quick['mean time (µs)'])} µs with {number(quick['false positives'])}"
+        words += (
+            f"; {quick.label} is the quickest, {number(quick['mean time (µs)'])} µs with "
+            f"{number(quick['false positives'])}"
+        )
     return words
 
 
@@ -510,7 +521,8 @@ def _axes(main, strip, points, cost):
     main.tick_params(axis="x", length=0, labelbottom=False)
     main.spines["bottom"].set_visible(False)
     main.set_ylabel("error, share of wrong answers (log)", labelpad=2)
-    broken = {"marker": [(-1, -0.5), (1, 0.5)], "markersize": 8, "linestyle": "none", "color": "#555555", "clip_on": False}
+    broken = {"marker": [(-1, -0.5), (1, 0.5)], "markersize": 8, "linestyle": "none", "color": "#555555",
+        "clip_on": False}
     main.plot([0], [0], transform=main.transAxes, **broken)  # the axis is broken: no logarithmic axis has a 0
     strip.plot([0], [1], transform=strip.transAxes, **broken)
     strip.set_ylim(-1, 1)

@@ -151,7 +151,8 @@ class Verdicts:
 
 @dataclass(frozen=True)
 class Explorer:
-    """A figure that answers to the pointer, drawn in the page. data: as explorer.explorer() makes it, for JSON; key: its
+    """A figure that answers to the pointer, drawn in the page. data: as explorer.explorer() makes it, for JSON; key:
+    its
     anchor."""
 
     title: str
@@ -172,7 +173,8 @@ class Section:
 
 
 def know(labels):
-    """Makes known what `labels`, pairs of label and algorithm, look like, and forgets those before: no two have one colour
+    """Makes known what `labels`, pairs of label and algorithm, look like, and forgets those before: no two have one
+    colour
     and one mark. The labels of an algorithm share its colour; while it has more labels than there are marks, the rest
     take other colours."""
     _looks.clear()
@@ -193,8 +195,8 @@ def know(labels):
 
 
 def style(name, label=None):
-    """color, marker and linestyle of the algorithm `name`, as keywords of matplotlib; the same in every figure. label: of
-    one of its labels, where it was made known.
+    """color, marker and linestyle of the algorithm `name`, as keywords of matplotlib; the same in every figure. label:
+    of one of its labels, where it was made known.
 
     An algorithm that this module does not know gets one of its own name, so it keeps it too.
     """
@@ -241,8 +243,8 @@ def svg_of(fig, titles=None):
     No XML header, no metadata, no address of any network; text is text. Identifiers that nothing refers to are dropped,
     the others start with a digest of the content, so several figures live on one page.
     titles: gid of an artist -> text that a browser shows when the pointer is over it. A text with the gid "halo" or
-    "halo:LABEL" stands on white, so lines below it do not hurt. An artist with the gid "of:LABEL" is of that label: the page highlights all
-    that is of one.
+    "halo:LABEL" stands on white, so lines below it do not hurt. An artist with the gid "of:LABEL" is of that label:
+    the page highlights all that is of one.
     """
     with plt.rc_context(SETTINGS):
         drawn, png = io.StringIO(), io.BytesIO()

@@ -26,7 +26,8 @@ def sections(found):
         points = points[np.isfinite(points.error) & np.isfinite(points.time_mean_ns) & (points.time_mean_ns > 0)]
         for algorithm, mine in points.groupby("algorithm", sort=False):
             if len(mine) >= LEAST and varied(mine):
-                parts.append(guarded(f"Knobs of {algorithm}", one, scene, algorithm, mine.reset_index(drop=True), points,
+                parts.append(guarded(f"Knobs of {algorithm}", one, scene, algorithm, mine.reset_index(drop=True),
+                    points,
                                      f"knobs-{index}-{algorithm}"))
         if len(combinations(points)) >= LEAST:
             parts.append(guarded("Filter and method", matrix, scene, points, f"filters-{index}"))
@@ -42,7 +43,8 @@ def varied(points):
 
 
 def along(points):
-    """Lines of rows that differ in one knob alone, a number or yes and no: (knob, rows in the knob's order). Texts have no
+    """Lines of rows that differ in one knob alone, a number or yes and no: (knob, rows in the knob's order). Texts
+    have no
     order."""
     found = []
     for knob in varied(points):
@@ -98,18 +100,21 @@ def one(scene, algorithm, points, others, key):
     colours = {knob: PALETTE[LINES[i % len(LINES)]] for i, knob in enumerate(knobs)}
     handles = {}
     for knob, rows in lines:
-        (handles[knob],) = axes.plot(points.time_mean_ns[rows] / 1e9, points.error[rows], color=colours[knob], linewidth=1.2,
+        (handles[knob],) = axes.plot(points.time_mean_ns[rows] / 1e9, points.error[rows], color=colours[knob],
+            linewidth=1.2,
                                      alpha=0.8, zorder=2, label=f"along {knob}")
     titles = {}
     for row, point in points.iterrows():
         look, gid = style(point.algorithm, point.label), f"of:{point.label}"
         titles[gid] = (f"{point.label}: {setting(point.knobs, base)}; error {number(point.error)}, "
                        f"{time_text(point.time_mean_ns)}, {number(point.false_negative)} missed")
-        axes.plot([point.time_mean_ns / 1e9], [point.error], marker=look["marker"], color=look["color"], linestyle="none",
+        axes.plot([point.time_mean_ns / 1e9], [point.error], marker=look["marker"], color=look["color"],
+            linestyle="none",
                   markersize=9 if row == best else 6, gid=gid, zorder=4)
     if exact is not None:
         axes.axvline(exact.time_mean_ns / 1e9, color=PALETTE["black"], linestyle=(0, (4, 2)), linewidth=1)
-        axes.text(exact.time_mean_ns / 1e9, 0.02, f" {exact.label}: no error", fontsize=9, transform=axes.get_xaxis_transform(),
+        axes.text(exact.time_mean_ns / 1e9, 0.02, f" {exact.label}: no "
+                                                  f"error", fontsize=9, transform=axes.get_xaxis_transform(),
                   gid=f"halo:{exact.label}")
     log_seconds(axes, "x")
     low, high = axes.get_xlim()
@@ -126,12 +131,14 @@ def one(scene, algorithm, points, others, key):
     title = f"{algorithm}: best is {best_sentence(points, best)}"
     if exact is not None:
         title += f"; {exact.label} makes none at {time_text(exact.time_mean_ns)}"
-    table = pd.DataFrame({"label": points.label} | {name: [str(knobs.get(name)) for knobs in points.knobs] for name in knobs}
+    table = pd.DataFrame({"label": points.label}
+                         | {name: [str(knobs.get(name)) for knobs in points.knobs] for name in knobs}
                          | {"error": points.error, "false negatives": points.false_negative.astype("int64"),
                             "false positives": points.false_positive.astype("int64"),
                             "mean time (µs)": points.time_mean_ns / 1e3, "on the front": front})
     caption = (
-        f"{scene.title}: {counted(len(points), 'setting')} of {algorithm}; lines join settings that differ in one knob alone; names "
+        f"{scene.title}: {counted(len(points), 'setting')} of {algorithm}; lines join settings that differ in one "
+        f"knob alone; names "
         f"say in what a setting differs from the usual ({text}). The dashed line is the price of no error."
     )
     return Figure(title, svg_of(fig, titles), caption, table.sort_values("error", ignore_index=True), key)
@@ -152,7 +159,8 @@ def name_marks(fig, axes, points, rows, texts):
         label = points.label[row]
         fig.text(*back.transform(corner), text, fontsize=8.5, va="bottom", ha="left", gid=f"halo:{label}")
         if not np.isnan(line).any():
-            fig.add_artist(_tie(back.transform(line.reshape(2, 2)), style(points.algorithm[row], label)["color"], label))
+            fig.add_artist(_tie(back.transform(line.reshape(2, 2)), style(points.algorithm[row], label)["color"],
+                label))
 
 
 def _tie(ends, colour, label):
@@ -165,7 +173,8 @@ def _tie(ends, colour, label):
 
 
 def combinations(points):
-    """Rows (filter, method, row of points): of each method with a prefilter its labels that differ in nothing else from its
+    """Rows (filter, method, row of points): of each method with a prefilter its labels that differ in nothing else
+    from its
     usual settings; of several the first."""
     found = {}
     for algorithm, mine in points.groupby("algorithm", sort=False):
@@ -188,7 +197,8 @@ def matrix(scene, points, key):
     methods = list(dict.fromkeys(method for _, method in found))
     alone = {name: points.index[points.label == name][0] for name in filters if (points.label == name).any()}
     exact = exact_of(points)
-    filters.sort(key=lambda name: points.time_mean_ns[alone[name]] if name in alone else (-1 if name == "none" else np.inf))
+    unknown = {"none": -1}  # nothing before is the quickest
+    filters.sort(key=lambda name: points.time_mean_ns[alone[name]] if name in alone else unknown.get(name, np.inf))
     columns = [*methods, "(filter alone)"]
     fig, axes = figure(height=0.42 * len(filters) + 1.5)
     axes.set(xlim=(0, len(columns)), ylim=(len(filters), 0))
@@ -224,7 +234,10 @@ def matrix(scene, points, key):
                                         "false positives"]).sort_values("error", ignore_index=True)
     pairs = table[table.method != "(filter alone)"]
     best = pairs.iloc[0]
-    title = f"Best pair: {best['filter']} before {best['method']}, error {number(best.error)} at {number(best['mean time (µs)'])} µs"
+    title = (
+        f"Best pair: {best['filter']} before {best['method']}, error {number(best.error)} at "
+        f"{number(best['mean time (µs)'])} µs"
+    )
     said = [best.label]
     for limit in (0.3, 0.1, 0.01):
         ok = pairs[(pairs.error < limit)]
@@ -234,12 +247,16 @@ def matrix(scene, points, key):
         quick = ok.loc[ok["mean time (µs)"].idxmin()]
         if quick.label not in said:
             said.append(quick.label)
-            title += f"; quickest below {limit:g}: {quick['filter']} before {quick['method']}, {number(quick['mean time (µs)'])} µs"
+            title += (
+                f"; quickest below {limit:g}: {quick['filter']} before {quick['method']}, "
+                f"{number(quick['mean time (µs)'])} µs"
+            )
     if exact is not None:
         title += f"; {exact.label} makes no error at {time_text(exact.time_mean_ns)}"
     caption = (
         f"{scene.title}: {counted(len(pairs), 'pair')} of {counted(len(filters), 'filter')} and "
-        f"{counted(len(methods), 'method')}. A cell: error (its colour, dark is worse) and mean time of a step; “none”: no filter. "
+        f"{counted(len(methods), 'method')}. A cell: error (its colour, dark is worse) and mean time of a step; "
+        f"“none”: no filter. "
         f"Methods: {listed(methods)}, each with its usual knobs."
     )
     return Figure(title, svg_of(fig, titles), caption, table, key)

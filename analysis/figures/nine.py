@@ -32,11 +32,17 @@ def told(tables):
     found = []
     for title, table in tables.items():
         best, safe = table.error.idxmin(), table[table.false_negative == 0]
-        text = f"{title}: {best} errs least of the nine, {number(table.error[best])} at {time_text(table.time_mean_ns[best])} a step"
+        text = (
+            f"{title}: {best} errs least of the nine, {number(table.error[best])} at "
+            f"{time_text(table.time_mean_ns[best])} a step"
+        )
         faster = table[(table.time_mean_ns < table.time_mean_ns[best]) & (table.index != best)]
         if len(faster):
             next_ = faster.error.idxmin()
-            text += f"; of those that are faster {next_}, {number(table.error[next_])} at {time_text(table.time_mean_ns[next_])}"
+            text += (
+                f"; of those that are faster {next_}, {number(table.error[next_])} at "
+                f"{time_text(table.time_mean_ns[next_])}"
+            )
         if len(safe):
             exact = safe.error.idxmin()
             text += f"; of those that miss nothing {exact}, {number(table.error[exact])}"
@@ -55,7 +61,8 @@ def beside(tables):
     frame["mean place"] = places.mean(axis=1)
     frame = frame[places.notna().any(axis=1)].sort_values("mean place", kind="stable")
     caption = (
-        f"Errors over all steps and the place by error, 1 the least, in {number(len(tables))} scenes. K counts as published, its "
+        f"Errors over all steps and the place by error, 1 the least, in {number(len(tables))} scenes. K counts as "
+        f"published, its "
         "answers do not depend on how they are found."
     )
     return Table("Errors and places", frame.replace({np.nan: None}) if frame.isna().any(axis=None) else frame, caption)

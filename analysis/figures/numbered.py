@@ -18,7 +18,7 @@ from .drawing import (
     stretch,
     time_text,
 )
-from .figure import PALETTE, Figure, figure, style, svg_of
+from .figure import Figure, figure, style, svg_of
 from .steps import SEEN
 from ..tables import thresholds as t
 from ..tables.scenes import twins
@@ -70,21 +70,27 @@ def one(run, kind, letter, published=None):
     fig.align_ylabels()
     columns["truly meet"] = binned(steps.truth, np.mean)[1]
     what = (
-        f"Time for all pairs of a step, pairs reported (the grey area: pairs that truly meet){' and bodies' if steps.grows else ''} "
+        f"Time for all pairs of a step, pairs reported (the grey area: pairs that truly "
+        f"meet){' and bodies' if steps.grows else ''} "
         f"over the steps; n = {len(hits)} steps, each point of {stretch(hits)}."
     )
     if timed != label:
         what += f" The time is that of {timed}, the thesis's procedure with the same answers."
     elif twins(run).get(label) == "":
-        what += (' The time is not that of the thesis\'s procedure: with search = "indexed" points that surely are not near are '
+        what += (' The time is not that of the thesis\'s procedure: with search = "indexed" points that surely are '
+                 'not near are '
                  "left out, where the thesis compared all.")
-    return Figure(_title(letter, label, steps, time, hits), svg_of(fig), caption(run, what, f"figure {number}", times=False),
+    return Figure(_title(letter, label, steps, time, hits), svg_of(fig), caption(run, what, f"figure "
+                                                                                            f"{number}", times=False),
                   pd.DataFrame(columns), anchor(number), number, CZECH[number], SEEN[kind][letter])
 
 
 def _title(letter, label, steps, time, hits):
     low, high = np.percentile(time[steps.full], (5, 95))
-    title = f"{letter} {label} takes {time_text(time.mean())} a step ({time_text(low)} to {time_text(high)} with all bodies "
+    title = (
+        f"{letter} {label} takes {time_text(time.mean())} a step ({time_text(low)} to {time_text(high)} with "
+        f"all bodies "
+    )
     title += f"there) and reports {digits(hits.mean())} pairs"
     still = correlation(hits[steps.full], time[steps.full])
     if not np.isnan(still):

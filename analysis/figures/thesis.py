@@ -79,7 +79,8 @@ def scene_sections(chosen, beside):
 
 
 def section_of(run, kind, number, notes, published=None, first=True):
-    """A figure or a sentence for each of the thesis's. published: another run of the scene, for the times of the thesis's
+    """A figure or a sentence for each of the thesis's. published: another run of the scene, for the times of the
+    thesis's
     procedures; first: of its kind, whose figures have the thesis's numbers."""
     title = NAMES.get(kind, ("Step by step", ""))[0]
     slug = re.sub(r"[^a-z0-9]+", "-", pareto.name(run).lower()).strip("-")

@@ -49,7 +49,8 @@ def kendall(x, y):
 
 
 def javascript(run):
-    """letter -> the label of a program in JavaScript that answers as one of the nine: its language says so, and its name
+    """letter -> the label of a program in JavaScript that answers as one of the nine: its language says so, and its
+    name
     or one of its knobs is that of the algorithm."""
     letters, found = {name: letter for letter, name in KEYS.items()}, {}
     for label, answers in run.meta["answers"].items():
@@ -77,9 +78,12 @@ def best_evaluation(run, label):
 def means_table(run, kind, published=None):
     """One row per algorithm of the thesis that the file has as published, fastest in the thesis first.
 
-    Columns: key; timed (the label of the thesis's procedure); thesis ms; same procedure ms with from, to; best evaluation
-    (label) and its ms; JavaScript ms (NaN where no program of the file is in JavaScript) and JS / C++ with its interval,
-    from the same steps; thesis / C++; rank in the thesis, rank here. published: another run of the scene, of fewer steps,
+    Columns: key; timed (the label of the thesis's procedure); thesis ms; same procedure ms with from, to; best
+    evaluation
+    (label) and its ms; JavaScript ms (NaN where no program of the file is in JavaScript) and JS / C++ with its
+    interval,
+    from the same steps; thesis / C++; rank in the thesis, rank here. published: another run of the scene, of fewer
+    steps,
     whose times are taken for procedures that this one has not. What is timed in another procedure than the thesis's has
     neither ratio nor ranks and its timed says so. Raises NotDrawn when fewer than two have them.
     """
@@ -173,7 +177,10 @@ def _means_title(table, compared, rho, tau, kind):
         label = moved.idxmax()
         title += f"; {label} moves most, from place {table['rank in the thesis'][label]} to {table['rank here'][label]}"
     low, high = compared["thesis / C++"].min(), compared["thesis / C++"].max()
-    title += f"; the thesis's JavaScript took {digits(low)} to {digits(high)} times as long as the same procedure in C++ here"
+    title += (
+        f"; the thesis's JavaScript took {digits(low)} to {digits(high)} times as long as the same procedure "
+        f"in C++ here"
+    )
     if "JS / C++" in table and table["JS / C++"].notna().any():
         ratio = table["JS / C++"].dropna()
         title += f"; JavaScript on this machine takes {digits(ratio.min())} to {digits(ratio.max())} times as long"
@@ -183,7 +190,8 @@ def _means_title(table, compared, rho, tau, kind):
 def _means_caption(table, run, published):
     text = (
         "Two machines on one axis: the thesis's means come from its own computer and browser and scenes of its own "
-        f"length, so only orders and ratios say something. n = {len(table)} algorithms, {run.meta['steps']} steps; numbers "
+        f"length, so only orders and ratios say something. n = {len(table)} algorithms, {run.meta['steps']} steps; "
+        f"numbers "
         "at the right are the thesis's time over that of the same procedure in C++."
     )
     if published is not None and table.timed.str.contains(" steps)", regex=False).any():
@@ -192,7 +200,10 @@ def _means_caption(table, run, published):
     faster = table.index[(table["best ms"] < 0.999 * table["same procedure ms"]) & (table.timed != OTHER)]
     for label in faster:
         ratio = table["same procedure ms"][label] / table["best ms"][label]
-        text += f" {table['best evaluation'][label]} answers as {table.timed[label]} does, in 1/{digits(ratio)} of its time."
+        text += (
+            f" {table['best evaluation'][label]} answers as {table.timed[label]} does, in 1/{digits(ratio)} of "
+            f"its time."
+        )
     if "JavaScript ms" not in table:
         text += " No program in JavaScript answered in this file, so the languages are not compared on one machine."
     return text

@@ -1,4 +1,5 @@
-"""What the page's figure that answers to the pointer is drawn from: the labels of a scene with all that may be an axis."""
+"""What the page's figure that answers to the pointer is drawn from: the labels of a scene, and all that may be an
+axis."""
 
 import numpy as np
 

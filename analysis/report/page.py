@@ -87,7 +87,8 @@ def _verdict(verdict, anchors):
         "word": word, "near": verdict.near, "why": why, "text": spelled(verdict.text), "czech": verdict.czech,
         "section": verdict.section, "cause": verdict.cause,
         "clauses": [(each.what, value(each.measured), each.needed, each.holds, each.near) for each in verdict.clauses],
-        "see": [(key, NAMES.get(key) or key.replace("-", " ", 1).replace("-", ".")) for key in verdict.see if key in anchors],
+        "see": [(key, NAMES.get(key) or key.replace("-", " ", 1).replace("-",
+            ".")) for key in verdict.see if key in anchors],
     }
 
 

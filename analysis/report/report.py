@@ -101,7 +101,8 @@ def write_figures(sections, folder):
     for part in figures:
         name = os.path.join(folder, part.key)
         if part.svg:
-            svg = part.svg.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" font-family="DejaVu Sans, sans-serif" ', 1)
+            svg = part.svg.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" font-family="DejaVu Sans, '
+                                            'sans-serif" ', 1)
             write_file(f"{name}.svg", svg.encode("utf-8", "replace"))
         if getattr(part.svg, "png", None):
             write_file(f"{name}.png", part.svg.png)
@@ -168,7 +169,8 @@ def sweep_parts(table):
             [*sweep_figures.sections(table), definitions()])
 
 
-# A section of the page is a function (runs, found) -> list of Section; found: pareto.scenes of the runs. A further one is a
+# A section of the page is a function (runs, found) -> list of Section; found: pareto.scenes of the runs. A further one
+# is a
 # line here. Section.scene says in which view it stands: "" in the overview, a scene's title, or ABOUT.
 def findings_sections(runs, found):
     return [part for part in [findings.section(runs)] if part]
@@ -350,7 +352,8 @@ def doubtful_times(run):
     if run.unlike:
         processors = dict.fromkeys(name for names in run.unlike.values() for name in names)
         who = listed(run.unlike) if len(run.unlike) < len(run.meta["algorithms"]) else "all algorithms"
-        lines.append(f"timed on unlike processors ({'; '.join(processors)}): {who}. Such times are drawn nowhere; `pipeline"
+        lines.append(f"timed on unlike processors ({'; '.join(processors)}): {who}. Such times are drawn nowhere; "
+                     f"`pipeline"
                      " show` has them by processor, and “pipeline detect FILE --force” times anew on one.")
     if {"time_mean_ns", "time_p95_ns"} <= set(table):
         few = list(table.index[table.time_mean_ns > table.time_p95_ns])

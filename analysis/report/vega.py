@@ -1,9 +1,11 @@
 """Vega, which draws the figures that answer to the pointer, as one script to be put into a page.
 
-Debian's libjs-vega: one apt package that scripts/setup installs, no second registry, no bundler. It has Vega's modules one
-by one; those below are all that a figure with axes, marks and signals needs, 450 KB. Chosen among what is well kept: its
-SVG marks carry roles and names for screen readers, Plotly is 3.5 MB and ECharts 1 MB. Without the package the page has its
-static figures alone.
+Debian's libjs-vega: one apt package that scripts/setup installs, no second registry, no bundler. It has Vega's modules
+one
+by one; those below are all that a figure with axes, marks and signals needs, 450 KB. Chosen among what is well kept:
+its
+SVG marks carry roles and names for screen readers, Plotly is 3.5 MB and ECharts 1 MB. Without the package the page has
+its static figures alone.
 """
 
 import pathlib

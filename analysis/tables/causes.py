@@ -139,7 +139,8 @@ def per_body(evidence, bodies, times, label):
     part = float(np.median(evidence.prepare_ns[label][most]) / max(np.median(times[label][most]), 1))
     if not part > 0.1:
         return ""
-    return (f"With all {number(int(bodies.max()))} bodies there, {number(100 * part)} % of the time of {letter(label)} is "
+    return (f"With all {number(int(bodies.max()))} bodies there, {number(100 * part)} % of the time of "
+            f"{letter(label)} is "
             "work on each body alone, which grows with their number and not with its square.")
 
 
@@ -174,7 +175,8 @@ def truth_comes_late(evidence, steps):
     if not len(evidence.truth):
         return ""
     late = float((evidence.truth.step.to_numpy() >= steps // 2).mean())
-    return (f"Of the pairs that truly meet {number(100 * late)} % come in the second half of this motion: what reports them "
+    return (f"Of the pairs that truly meet {number(100 * late)} % come in the second half of this motion: what "
+            f"reports them "
             "reports more there." if late > LEADS else "")
 
 
@@ -189,7 +191,8 @@ def subset(evidence, one, other):
     true = int(np.isin(more, evidence.true).sum())
     has = f"every hit of {letter(one)} is one of {letter(other)}" if not len(only) else (
         f"{letter(one)} reports {number(len(only))} pairs that {letter(other)} does not")
-    return (f"{has[:1].upper()}{has[1:]}; {letter(other)} reports {number(len(more))} more, of which {number(true)} truly "
+    return (f"{has[:1].upper()}{has[1:]}; {letter(other)} reports {number(len(more))} more, of which {number(true)} "
+            f"truly "
             "meet.")
 
 
@@ -237,7 +240,8 @@ def cause(statement, clauses, scenes, labels):
             found.append(truth_comes_late(scene.evidence, len(scene.bodies)))
     if number_ in (8, 55, 57) and scenes["box"].evidence:
         scene = scenes["box"]
-        found += [per_body(scene.evidence, scene.bodies, scene.times, label) for label in failed_labels(clauses, labels)]
+        found += [per_body(scene.evidence, scene.bodies, scene.times, label) for label in failed_labels(clauses,
+            labels)]
     if number_ in (10, 11, 12, 54):
         for kind, scene in scenes.items():
             if scene.evidence:
@@ -312,7 +316,8 @@ def who_misses(run):
     for before, labels in same.items():
         count = len(evidence.missed(before))
         found.append(f"{listed(letter(label) for label in labels)} {verb(labels, 'misses', 'miss')} nothing that their "
-                     f"prefilter {before} does not miss, which misses {number(count)} pairs: they add no miss of their own."
+                     f"prefilter {before} does not miss, which misses {number(count)} pairs: they add no miss of "
+                     f"their own."
                      .replace("their prefilter", "its prefilter" if len(labels) == 1 else "their prefilter")
                      .replace("they add", "it adds" if len(labels) == 1 else "they add"))
     for label in SAMPLERS:

@@ -25,7 +25,8 @@ class NotTestable(Exception):
 
 @dataclass(frozen=True)
 class Clause:
-    """what: what was measured; measured: the number, or text; needed: "> 0.333", or "" of what only explains; holds: None
+    """what: what was measured; measured: the number, or text; needed: "> 0.333", or "" of what only explains; holds:
+    None
     of the latter; near: it fails and is a near miss (thresholds.NEAR); where: at what it fails, in words."""
 
     what: str

@@ -31,12 +31,14 @@ def means(scene, labels):
 
 
 def faster(scene, one, others, what=""):
-    """The clause: the mean time of `one` is below that of each of `others`. Raises NotTestable where the nearest of them
+    """The clause: the mean time of `one` is below that of each of `others`. Raises NotTestable where the nearest of
+    them
     cannot be told apart from it."""
     nearest = means(scene, others).idxmin()
     ratio = scene.ratio(nearest, one)
     if ratio.known and ratio.low <= 1 <= ratio.high:
-        raise NotTestable(f"{one} and {nearest} differ by a factor of {ratio.low:.3g} to {ratio.high:.3g}, no difference")
+        raise NotTestable(f"{one} and {nearest} differ by a factor of {ratio.low:.3g} to {ratio.high:.3g}, no "
+                          f"difference")
     return clause(f"{what}{nearest} / {one}, mean times", ratio.value, ">", 1.0, where=f"{nearest} is faster")
 
 
@@ -109,7 +111,8 @@ def best_filter(box, falling, one, *others):
         if safe:
             hits = scene.summary.hits.astype(int)
             next_ = hits[safe].idxmin()
-            found.append(clause(f"{name}: pairs passed on by {one}", int(hits[one]), "<=", int(hits[next_]), where=f"{next_} passes fewer on"))
+            found.append(clause(f"{name}: pairs passed on by "
+                                f"{one}", int(hits[one]), "<=", int(hits[next_]), where=f"{next_} passes fewer on"))
             found.append(faster(scene, one, safe, f"{name}: "))
         else:
             found.append(told(f"{name}: others that miss nothing", "none"))
@@ -169,7 +172,8 @@ def nearer_to(play, one, like, *unlike):
     error = errors(play, [one, like, *unlike])
     away = (error - error[one]).abs()
     nearest = away[list(unlike)].idxmin()
-    return [clause(f"difference of the errors of {one} and {like}", away[like], "<", away[nearest], where=f"{nearest} is nearer")]
+    return [clause(f"difference of the errors of {one} and "
+                   f"{like}", away[like], "<", away[nearest], where=f"{nearest} is nearer")]
 
 
 def beaten_most(box, falling, one, *others):
@@ -211,7 +215,8 @@ def most_successful(box, falling, play, *labels):
     for name, scene in (("box", box), ("falling", falling)):
         error, time = errors(scene, labels), means(scene, labels)
         better = [label for label in labels if error[label] < error[one] and time[label] < time[one]]
-        found.append(clause(f"{name}: how many are faster and err less", len(better), "=", 0, 1, f"they are {', '.join(better)}"))
+        found.append(clause(f"{name}: how many are faster and err less", len(better), "=", 0, 1, f"they are "
+        f"{', '.join(better)}"))
     return found
 
 
@@ -315,7 +320,8 @@ def facets_most_accurate(play, *labels):
     """(56) Each of the four errs less than every one of the five."""
     error = errors(play, labels)
     best = error[list(labels[4:])].idxmin()
-    return [clause(f"error of {label}", error[label], "<", error[best], where=f"{best} errs less") for label in labels[:4]]
+    return [clause(f"error of {label}", error[label], "<", error[best], where=f"{best} errs "
+                                                                              f"less") for label in labels[:4]]
 
 
 def faster_in_one(box, falling, one, other):

@@ -96,18 +96,21 @@ def ends_early(run):
         scene, steps, rate = config["scene"], int(run.meta["steps"]), float(run.meta["rate"])
         if scene["kind"] == "falling":
             gravity = -float(config.get("physics", {}).get("gravity", [0, -9.81, 0])[1])
-            lands = [(float(np.sqrt(2 * max(float(group["height"]) - 2 * float(scene.get("radius", 1)), 0) / gravity)), place)
+            lands = [(float(np.sqrt(2 * max(float(group["height"]) - 2 * float(scene.get("radius", 1)), 0) / gravity)),
+                place)
                      for place, group in enumerate(scene.get("set", []), 1) if "height" in group and gravity > 0]
             late = [(when, place) for when, place in lands if when > (steps - 1) / rate]
             if late:
                 when, place = max(late)
-                return [f"its {steps} steps end at {(steps - 1) / rate:.3g} s, before set {place} of {len(lands)} can have "
+                return [f"its {steps} steps end at {(steps - 1) / rate:.3g} s, before set {place} of {len(lands)} "
+                        f"can have "
                         f"landed ({when:.3g} s): a run shortened so is another scene."]
         if scene["kind"] == "box":
             births = scene.get("births", {})
             last = int(births.get("from", 0)) + int(births.get("every", 0)) * (int(births.get("count", 1)) - 1)
             if last >= steps:
-                return [f"its {steps} steps end before the last body is born (step {last}): a run shortened so is another "
+                return [f"its {steps} steps end before the last body is born (step {last}): a run shortened so is "
+                        f"another "
                         "scene."]
     except (KeyError, ValueError, TypeError, IndexError, ZeroDivisionError):
         return []

@@ -1,7 +1,8 @@
 """The thesis's statements, each judged on results: confirmed, refuted, or not testable and why.
 
 Every judge takes the scenes and the labels that its statement names, and returns its clauses: each a number beside what
-is needed of it; the statement holds when all do. What its words mean is in thresholds.py; nothing else decides. A statement is judged on the algorithms as
+is needed of it; the statement holds when all do. What its words mean is in thresholds.py; nothing else decides. A
+statement is judged on the algorithms as
 published, under their own names; where a file has their careful form (label `<name>_careful`), that is judged too.
 """
 
@@ -126,7 +127,10 @@ def groups(box, falling, *labels):
         for below, slower in zip(parts, parts[1:]):
             ends = slower.idxmin(), below.idxmax()
             ratios.append((f"{ends[1]} and {ends[0]}", scene.ratio(*ends), scene.noise))
-            what = f"{name}: fastest of {{{','.join(letters[x] for x in slower.index)}}}, {letters[ends[0]]}, / slowest of "
+            what = (
+                f"{name}: fastest of {{{','.join(letters[x] for x in slower.index)}}}, {letters[ends[0]]}, / slowest "
+                f"of "
+            )
             what += f"{{{','.join(letters[x] for x in below.index)}}}, {letters[ends[1]]}"
             found.append(clause(what, float(slower.min() / below.max()), ">", 1.0))
     ordered(ratios, "as fast as each other")
@@ -141,7 +145,8 @@ def falling_above_box(box, falling, *labels):
     ordered(ratios, "as fast in one scene as in the other")
     under = [label for label in labels if not ratio[label] > 1]
     return [
-        clause(f"least ratio, {ratio.idxmin()}", float(ratio.min()), ">", 1.0, where=f"not so of {listed(under)}" if under else ""),
+        clause(f"least ratio, {ratio.idxmin()}", float(ratio.min()), ">", 1.0, where=f"not so of "
+        f"{listed(under)}" if under else ""),
         told(f"greatest ratio, {ratio.idxmax()}", float(ratio.max())),
     ]
 
@@ -273,7 +278,7 @@ def share(flags):
 
 
 def targets_of(touching, wrong):
-    """"at slab_45 (2 of 3 passes), ring (1 of 1 passes)": at which targets passes are `wrong`, the most first, four at most."""
+    """At which targets passes are `wrong`, the most first, four at most: "at slab_45 (2 of 3 passes)"."""
     counts = touching.target[wrong].value_counts(sort=False).sort_values(ascending=False, kind="stable")
     every = touching.target.value_counts()
     named = [f"{name} ({count} of {every[name]} passes)" for name, count in counts.items()]
@@ -473,7 +478,8 @@ def tunnels_most(play, label, *others):
     missed = play.false_negative[list(others)]
     return [
         clause("share of samples through the slab not reported", 1 - share(said), ">=", t.NEARLY_ALL, 1 / len(said)),
-        clause("missed samples", int(play.false_negative[label]), ">", int(missed.max()), 1, f"{missed.idxmax()} misses more"),
+        clause("missed samples", int(play.false_negative[label]), ">", int(missed.max()), 1, f"{missed.idxmax()} "
+                                                                                             f"misses more"),
     ]
 
 
@@ -620,7 +626,8 @@ def judged(statement, scenes, careful=False):
         for kind in statement.scenes:
             if kind not in scenes:
                 raise NotTestable(f"no file of a {kind} scene was given")
-            lacks = statement.times and kind != "playground" and any(scenes[kind].twins.get(label) == "" for label in labels)
+            timed = statement.times and kind != "playground"
+            lacks = timed and any(scenes[kind].twins.get(label) == "" for label in labels)
             found.append(scenes.get(kind + PUBLISHED, scenes[kind]) if lacks else scenes[kind])
         if careful:
             labels = [label + CAREFUL if all(label + CAREFUL in s.labels for s in found) else label for label in labels]
@@ -651,4 +658,3 @@ def verdicts(scenes):
         if len(given) == len(statement.scenes) and any(all(label in s.labels for s in given) for label in careful):
             found.append(judged(statement, scenes, careful=True))
     return found
-

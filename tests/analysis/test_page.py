@@ -133,14 +133,17 @@ def test_zooming_changes_the_axis_and_whole_restores_it(opened):
 
 
 def test_one_label_is_highlighted_over_figures_and_tables(opened):
-    opened.evaluate("[...document.querySelectorAll('#explorer-1 .legend .pick')].find(b => b.textContent === 'obb_sat').click()")
+    opened.evaluate("[...document.querySelectorAll('#explorer-1 .legend .pick')].find(b => b.textContent === "
+                    "'obb_sat').click()")
     opened.settle()
     lit = "[...document.querySelectorAll('[data-of].on')]"
     places = opened.evaluate(f"[...new Set({lit}.map(e => e.closest('figure') ? e.closest('figure').id : e.tagName))]")
     assert {"TR", "LI", "error-time-1-1", "error-kinds-1", "precision-recall-1"} <= set(places)
     assert opened.evaluate(f"{lit}.every(e => e.dataset.of === 'obb_sat')")
-    assert float(opened.evaluate("getComputedStyle(document.querySelector('#error-time-1-1 svg [data-of]:not(.on)')).opacity")) < 0.3
-    assert float(opened.evaluate("getComputedStyle(document.querySelector('#error-time-1-1 svg [data-of].on')).opacity")) == 1
+    assert float(opened.evaluate("getComputedStyle(document.querySelector('#error-time-1-1 svg "
+                                 "[data-of]:not(.on)')).opacity")) < 0.3
+    assert float(opened.evaluate("getComputedStyle(document.querySelector('#error-time-1-1 svg "
+                                 "[data-of].on')).opacity")) == 1
     opened.press("Escape")
     assert opened.evaluate("document.querySelectorAll('[data-of].on').length") == 0
 
@@ -162,7 +165,8 @@ def test_dark_is_dark_and_light_again(opened):
     colour = "getComputedStyle(document.body).backgroundColor"
     light = opened.evaluate(colour)
     opened.click_on("#dark")
-    assert sum(map(int, re.findall(r"\d+", opened.evaluate(colour))[:3])) < 120 < sum(map(int, re.findall(r"\d+", light)[:3]))
+    assert sum(map(int, re.findall(r"\d+", opened.evaluate(colour))[:3])) < 120 < sum(map(int, re.findall(r"\d+",
+        light)[:3]))
     opened.evaluate(DRAWN)
     opened.click_on("#dark")
     assert opened.evaluate(colour) == light
@@ -170,14 +174,18 @@ def test_dark_is_dark_and_light_again(opened):
 
 
 def test_figures_are_saved_by_their_buttons(opened):
-    opened.evaluate("window.saved = []; HTMLAnchorElement.prototype.click = function () { saved.push([this.download, this.href]); }")
+    opened.evaluate("window.saved = []; HTMLAnchorElement.prototype.click = function () { saved.push([this.download, "
+                    "this.href]); }")
     for kind in ("svg", "csv", "png"):
         opened.evaluate(f"document.querySelector('#error-time-1-1 [data-save={kind}]').click()")
-    opened.evaluate("new Promise(done => { const wait = () => saved.length > 2 ? done() : setTimeout(wait, 20); wait(); })")
-    assert {name for name, _ in opened.evaluate("saved")} == {f"error-time-1-1.{kind}" for kind in ("svg", "csv", "png")}
+    opened.evaluate("new Promise(done => { const wait = () => saved.length > 2 ? done() : setTimeout(wait, 20); "
+                    "wait(); })")
+    assert {name for name, _ in opened.evaluate("saved")} == {f"error-time-1-1.{kind}" for kind in ("svg", "csv",
+        "png")}
     text = opened.evaluate("fetch(saved.find(s => s[0].endsWith('csv'))[1]).then(r => r.text())")
     assert text.splitlines()[0].startswith("label,error,mean time")
-    size = opened.evaluate("fetch(saved.find(s => s[0].endsWith('png'))[1]).then(r => r.blob()).then(b => createImageBitmap(b))"
+    size = opened.evaluate("fetch(saved.find(s => s[0].endsWith('png'))[1]).then(r => r.blob()).then(b => "
+                           "createImageBitmap(b))"
                            ".then(i => i.width)")
     assert size > 800
 
@@ -232,7 +240,8 @@ def test_without_vega_the_page_has_its_static_figures(result_file, tmp_path, mon
 
 
 def test_no_two_labels_look_alike():
-    labels = [(f"facet_triangles_{i}", "facet_triangles") for i in range(60)] + [("obb_sat", "obb_sat"), ("mine", "mine")]
+    labels = [(f"facet_triangles_{i}", "facet_triangles") for i in range(60)] + [("obb_sat", "obb_sat"), ("mine",
+        "mine")]
     know(labels)
     looks = {label: style(algorithm, label) for label, algorithm in labels}
     assert len({(look["color"], look["marker"]) for look in looks.values()}) == len(labels)
@@ -254,8 +263,10 @@ def settings(*rows):
     ])
 
 
-THREE = settings(({"stride": 20, "dense": False, "prefilter": "j"}, 0.9, 1), ({"stride": 10, "dense": False, "prefilter": "j"}, 0.8, 2),
-                 ({"stride": 10, "dense": True, "prefilter": "j"}, 0.3, 9), ({"stride": 20, "dense": False, "prefilter": "a"}, 0.7, 3))
+THREE = settings(({"stride": 20, "dense": False, "prefilter": "j"}, 0.9, 1), ({"stride": 10, "dense": False,
+    "prefilter": "j"}, 0.8, 2),
+                 ({"stride": 10, "dense": True, "prefilter": "j"}, 0.3, 9), ({"stride": 20, "dense": False,
+                     "prefilter": "a"}, 0.7, 3))
 
 
 def test_lines_join_settings_that_differ_in_one_knob_that_has_an_order():
@@ -263,23 +274,28 @@ def test_lines_join_settings_that_differ_in_one_knob_that_has_an_order():
 
 
 def test_the_best_setting_is_named():
-    exact = pd.DataFrame([{"label": "exact", "algorithm": "exact", "knobs": {}, "error": 0.0, "time_mean_ns": 1e5, "exact": True,
-                           "false_negative": 0, "false_positive": 0, "machine": "here", "scope": "scene", "promise": "exact"}])
+    exact = pd.DataFrame([{"label": "exact", "algorithm": "exact", "knobs": {}, "error": 0.0, "time_mean_ns": 1e5,
+        "exact": True,
+                           "false_negative": 0, "false_positive": 0, "machine": "here", "scope": "scene",
+                               "promise": "exact"}])
     both = pd.concat([THREE, exact], ignore_index=True)
     scene = pareto.Scene("Made", [], both)
     figure = knobs.one(scene, "m", THREE, both, "k")
-    assert figure.title == ("m: best is stride = 10, dense = true, prefilter = j: error 0.3 at 9 ms a step; exact makes none at "
+    assert figure.title == ("m: best is stride = 10, dense = true, prefilter = j: error 0.3 at 9 ms a step; exact "
+                            "makes none at "
                             "100 µs")
     assert list(figure.table.label) == ["m2", "m3", "m1", "m0"]
     assert knobs.setting(THREE.knobs[2], knobs.usual(THREE)) in ("dense", "stride 10, dense")
 
 
 def test_filters_and_methods_make_a_matrix():
-    rows = settings(*[({"prefilter": name}, error, 1 + i) for i, (name, error) in enumerate((("a", 0.5), ("b", 0.2), ("none", 0.4)))])
+    rows = settings(*[({"prefilter": name}, error, 1 + i) for i, (name, error) in enumerate((("a", 0.5), ("b", 0.2),
+        ("none", 0.4)))])
     alone = settings(({}, 0.95, 0.1)).assign(label="a", algorithm="a")
     figure = knobs.matrix(pareto.Scene("Made", [], rows), pd.concat([rows, alone], ignore_index=True), "k")
     assert figure.title.startswith("Best pair: b before m, error 0.2 at 2000 µs")
-    assert figure.table[["filter", "method"]].values.tolist() == [["b", "m"], ["none", "m"], ["a", "m"], ["a", "(filter alone)"]]
+    assert figure.table[["filter", "method"]].values.tolist() == [["b", "m"], ["none", "m"], ["a", "m"], ["a",
+        "(filter alone)"]]
 
 
 # ---- best of the nine
@@ -289,7 +305,8 @@ def test_the_best_of_the_nine_is_told_a_scene():
     table = pd.DataFrame({"error": [0.2, 0.5, 0.1], "time_mean_ns": [2e3, 1e3, 9e3], "false_negative": [3, 0, 0]},
                          index=["obb_corners", "bounding_sphere", "obb_sat"])
     (text,) = nine.told({"Made": table})
-    assert text == ("Made: obb_sat errs least of the nine, 0.1 at 9 µs a step; of those that are faster obb_corners, 0.2 at 2 µs; "
+    assert text == ("Made: obb_sat errs least of the nine, 0.1 at 9 µs a step; of those that are faster obb_corners, "
+                    "0.2 at 2 µs; "
                     "of those that miss nothing obb_sat, 0.1.")
 
 
@@ -321,7 +338,8 @@ def test_sections_name_their_view(made):
 
 
 def test_the_recipe_of_the_readme_finds_the_pairs_by_hand(result):
-    recipe = re.search(r"import h5py, numpy as np\n.*?(?=```)", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)[0]
+    recipe = re.search(r"import h5py, numpy as "
+                       r"np\n.*?(?=```)", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)[0]
     found = {}
     exec(recipe.replace("results/padani.h5", str(result)), found)
     truth = load(result).truth_pairs

@@ -536,7 +536,8 @@ def test_misses_of_the_prefilter_are_told_from_its_own():
 def test_bodies_without_a_triangle_are_named():
     plate = proof(knobs=KNOBS)
     assert causes.without_triangle(plate, "facet_triangles") == (
-        "all 2 of the misses of I (facet_triangles) are pairs with plate: of 12 facets every 20th is taken, fewer than 3 "
+        "all 2 of the misses of I (facet_triangles) are pairs with plate: of 12 facets every 20th is taken, fewer "
+        "than 3 "
         "points, which make no triangle."
     )
     assert causes.without_triangle(proof(knobs=KNOBS, facets=(320, 41)), "facet_triangles") == ""  # three points
@@ -556,7 +557,8 @@ def test_the_part_of_time_per_body_is_told_where_there_are_most():
 
 def test_whose_hits_are_whose_is_told_either_way():
     more = proof(reported={"facet_triangles": [0], "facet_rotations": [0, 1, 7]})
-    told = ("Every hit of I (facet_triangles) is one of U (facet_rotations); U (facet_rotations) reports 2 more, of which "
+    told = ("Every hit of I (facet_triangles) is one of U (facet_rotations); U (facet_rotations) reports 2 more, of "
+            "which "
             "1 truly meet.")
     assert causes.subset(more, "facet_triangles", "facet_rotations") == told
     assert causes.subset(more, "facet_rotations", "facet_triangles") == told

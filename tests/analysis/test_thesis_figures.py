@@ -570,7 +570,8 @@ def test_verdicts_are_counted_in_the_title(monkeypatch):
     monkeypatch.setattr(thesis_tables, "verdicts", lambda scenes: found)
     part = thesis_tables.statements_part({})
     assert part.title == (
-        "Of the thesis's 4 statements the data confirm 1 and refute 2, 1 of them by a near miss; 1 cannot be tested. Of 1 "
+        "Of the thesis's 4 statements the data confirm 1 and refute 2, 1 of them by a near miss; 1 cannot be tested. "
+        "Of 1 "
         "judged again on the careful form the data confirm 1 and refute 0"
     )
     assert part.found == found
