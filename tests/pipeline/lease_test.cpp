@@ -116,11 +116,11 @@ TEST(Lease, IsRenewedWhileItsHolderLives) {
   struct stat before, after;
   ASSERT_EQ(fstatat(folder.in, "a", &before, 0), 0);
   folder.age("a", 100);
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);  // of a loaded machine
-  do {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  for (int i = 0; i < 1000; ++i) {  // a busy machine may take seconds
     ASSERT_EQ(fstatat(folder.in, "a", &after, 0), 0);
-  } while (after.st_mtim.tv_sec < before.st_mtim.tv_sec && std::chrono::steady_clock::now() < end);
+    if (after.st_mtim.tv_sec >= before.st_mtim.tv_sec) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   EXPECT_GE(after.st_mtim.tv_sec, before.st_mtim.tv_sec);
 }
 
@@ -141,22 +141,23 @@ TEST(Lease, ThatWasTakenOverIsLeftAlone) {
 
 TEST(Lease, HasOneHolderOfMany) {
   const Folder folder;
-  std::atomic<int> inside = 0, taken = 0, together = 0;
+  std::atomic<int> inside = 0, together = 0;
   const auto contend = [&] {
-    for (int i = 0; i < 40; ++i)
+    for (int taken = 0; taken < 20;) {
       if (const auto mine = take_lease(folder.in, "a", kLong)) {
         if (++inside > 1) ++together;
         ++taken;
         std::this_thread::yield();
         --inside;
       }
+      std::this_thread::yield();
+    }
   };
   {
     std::vector<std::jthread> all;
     for (int i = 0; i < 4; ++i) all.emplace_back(contend);
   }
   EXPECT_EQ(together, 0);
-  EXPECT_GT(taken, 0);
   EXPECT_EQ(folder.files(), 0u);
 }
 
