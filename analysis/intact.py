@@ -298,6 +298,8 @@ def record(path, values):
     values = np.asarray(values)
     is_text = values.dtype == object
     kind = "text" if is_text else values.dtype.str.lstrip("<|")
+    if path.endswith("offset") and kind == "i8":  # as files of schema version 1 store them
+        kind = "u8"
     head = _text(path.encode()) + _text(kind.encode()) + _integer(values.ndim)
     head += b"".join(_integer(size) for size in values.shape)
     if is_text:

@@ -32,7 +32,7 @@ import pandas as pd
 from . import intact
 from .tables.intervals import Interval
 
-SCHEMA_VERSION = 1  # the newest that this module knows
+SCHEMA_VERSION = 2  # the newest that this module knows; 1 had unsigned offsets
 SWEEP = "sweep.json"  # what makes a folder one of a sweep
 
 

@@ -15,6 +15,7 @@ std::size_t size_of(Type type) {
     case Type::f64:
     case Type::i64:
     case Type::u64:
+    case Type::offset:
       return 8;
     case Type::u32:
       return 4;
@@ -89,7 +90,8 @@ void add_pairs(Group& group, const PairLists& hits, const std::string& what, con
   const std::string offset = prefix.empty() ? "pair_offset" : prefix + "offset";
   group.datasets.push_back(bare_scale(entry, "pairs of all steps, one step after another", true));
   group.datasets.push_back(viewed(group.path + "/" + offset, std::span(hits.offset), {n.boundary}, "1",
-                                  "the pairs of step s are entries " + offset + "[s] to " + offset + "[s + 1] - 1"));
+                                  "the pairs of step s are entries " + offset + "[s] to " + offset + "[s + 1] - 1",
+                                  Type::offset));
   group.datasets.push_back(
       viewed(group.path + "/" + prefix + "pair", std::span(hits.pair), {entry, n.side}, "1", what, Type::u32));
 }

@@ -21,8 +21,10 @@
 
 namespace pipeline {
 
-/// What the elements of a dataset are. Numbers are little-endian.
-enum class Type { f64, i64, u64, u32, u8, text };
+/// What the elements of a dataset are. Numbers are little-endian. An offset, where a part of a ragged list begins, is
+/// never negative and is stored as a signed integer, with which everybody's arrays calculate; to a digest it is
+/// unsigned, as it was stored before schema version 2.
+enum class Type { f64, i64, u64, u32, u8, text, offset };
 
 /// Bytes of one element; 0 for text.
 std::size_t size_of(Type type);

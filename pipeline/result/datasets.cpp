@@ -77,6 +77,7 @@ const char* type_text(Type type) {
     case Type::f64:
       return "float64";
     case Type::i64:
+    case Type::offset:
       return "int64";
     case Type::u64:
       return "uint64";

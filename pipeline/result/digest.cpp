@@ -23,6 +23,7 @@ std::string_view type_name(Type type) {
     case Type::i64:
       return "i8";
     case Type::u64:
+    case Type::offset:
       return "u8";
     case Type::u32:
       return "u4";

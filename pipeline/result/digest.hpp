@@ -6,7 +6,8 @@
 // followed by its UTF-8 bytes. A dataset contributes, in this order:
 //
 //   text     its absolute path
-//   text     its type: "f8", "i8", "u8", "u4", "u1" (kind and bytes, little-endian) or "text"
+//   text     its type: "f8", "i8", "u8", "u4", "u1" (kind and bytes, little-endian) or "text"; "u8" of offsets (those whose
+//            names end in "offset"), which files of schema version 1 store so
 //   integer  its rank, then its size along each dimension; a scalar has rank 0
 //   values   row-major; numbers as little-endian bytes of their type, every NaN as 0x7ff8000000000000; texts as texts
 //

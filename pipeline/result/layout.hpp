@@ -9,7 +9,7 @@
 namespace pipeline {
 
 /// Grows when a name, unit or meaning in the file changes. A newer one is refused.
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;
 
 /// Everything that the file holds but the digests, the root first. Points into `result`, which must outlive it.
 std::vector<Group> layout(const Result& result);

@@ -310,7 +310,7 @@ def test_an_unknown_label_is_named_with_those_there_are(result_file, file):
 
 def test_meta_says_where_the_result_comes_from(result_file, file):
     meta = load(result_file).meta
-    assert meta["digest"] == file.attrs["digest"] and meta["schema_version"] == 1
+    assert meta["digest"] == file.attrs["digest"] and meta["schema_version"] == 2
     assert meta["config"] == file["config"].asstr()[()]
     assert meta["steps"] == len(file["step"]) and meta["bodies"] == list(file["body"].asstr())
     assert {"date", "host", "processor", "wall_time_s"} == set(meta["run"])
@@ -321,11 +321,38 @@ def test_meta_says_where_the_result_comes_from(result_file, file):
         } == set(meta["answers"][label])  # fmt: skip
 
 
-@pytest.mark.parametrize("version", [0, 2, 1000])
+# The first that everybody writes: which step each pair is of. Unsigned offsets made it a TypeError.
+def test_offsets_are_signed_and_calculate(file, result_file):
+    offset, pair = file["truth/pair_offset"][()], file["truth/pair"]
+    assert offset.dtype == np.int64
+    step = np.repeat(np.arange(len(file["step"])), np.diff(offset))
+    assert len(step) == len(pair) and list(step) == list(load(result_file).truth_pairs.step)
+
+
+# A file of schema version 1 differs from one of version 2 in the sign of its offsets alone; its digests are the same.
+def test_an_older_file_with_unsigned_offsets_is_read(copy):
+    digest = load(copy).meta["digest"]
+    with h5py.File(copy, "a") as changed:
+        changed.attrs["schema_version"] = 1
+        for group in [changed["truth"], *changed["answers"].values()]:
+            values, told = group["pair_offset"][()].astype(np.uint64), dict(group["pair_offset"].attrs)
+            scale = group["pair_offset"].dims[0][0]
+            del group["pair_offset"]
+            made = group.create_dataset("pair_offset", data=values)
+            made.dims[0].attach_scale(scale)
+            for name in ("units", "long_name"):
+                made.attrs[name] = told[name]
+    older = load(copy, unsealed=True)
+    assert older.meta["schema_version"] == 1 and len(older.truth_pairs) == older.truth_hits.sum()
+    done = pipeline("show", copy, "--unsealed")
+    assert done.returncode == 0 and digest in done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("version", [0, 3, 1000])
 def test_load_refuses_a_schema_that_it_does_not_know(copy, version):
     with edited(copy) as changed:
         changed.attrs["schema_version"] = version
-    with pytest.raises(ValueError, match=f"schema version {version}, this module reads 1 to 1"):
+    with pytest.raises(ValueError, match=f"schema version {version}, this module reads 1 to 2"):
         load(copy)
 
 

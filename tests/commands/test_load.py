@@ -121,7 +121,7 @@ def test_a_truncated_file_is_refused(result_file, tmp_path, refuse):
     refuse(tmp_path / "cut.h5", "truncated")
 
 
-@pytest.mark.parametrize("version", [2, 10**6, "1.0", -1])
+@pytest.mark.parametrize("version", [3, 10**6, "1.0", -1])
 def test_a_newer_or_odd_schema_is_refused_by_its_number(result_file, tmp_path, refuse, version):
     copy = shutil.copy(result_file, tmp_path / "copy.h5")
     with edited(copy) as changed:

@@ -19,6 +19,7 @@ inline hid_t h5_type(Type type, const h5::Type& text) {
     case Type::f64:
       return H5T_IEEE_F64LE;
     case Type::i64:
+    case Type::offset:
       return H5T_STD_I64LE;
     case Type::u64:
       return H5T_STD_U64LE;
@@ -103,7 +104,8 @@ class Reader {
   PairLists pairs(const std::string& group, std::uint64_t steps, std::uint64_t bodies,
                   const std::string& prefix = "") const {
     PairLists out;
-    out.offset = values<std::uint64_t>(group + "/" + prefix + (prefix.empty() ? "pair_offset" : "offset"), {steps + 1});
+    out.offset = values<std::uint64_t>(group + "/" + prefix + (prefix.empty() ? "pair_offset" : "offset"), Type::offset,
+                                       {steps + 1});
     out.pair = values<Pair>(group + "/" + prefix + "pair", Type::u32, {kAny, 2});
     if (!sound(out, steps, bodies)) throw h5::Failure(group + ": pairs or offsets are not in order");
     return out;
@@ -179,7 +181,9 @@ class Reader {
     std::ranges::copy(sizes, shape.begin());
     bool same = shape.size() == expected.size();
     for (std::size_t d = 0; same && d < shape.size(); ++d) same = expected[d] == kAny || expected[d] == shape[d];
-    if (!same || H5Tequal(stored.id(), h5_type(type, text_)) <= 0)
+    // Files of schema version 1 have unsigned offsets.
+    const bool older = type == Type::offset && H5Tequal(stored.id(), H5T_STD_U64LE) > 0;
+    if (!same || (!older && H5Tequal(stored.id(), h5_type(type, text_)) <= 0))
       throw h5::Failure(path + ": its shape or type is not that of a result");
     std::uint64_t elements = 1;
     for (const std::uint64_t size : shape)

@@ -62,7 +62,7 @@ Group shape(const MeshProxy& row) {
   datasets.push_back(viewed(path + "/triangles", std::span(row.triangles), {triangle, corner}, "1",
                             "vertices of the triangles, counter-clockwise seen from outside", Type::u32));
   datasets.push_back(viewed(path + "/solid_offset", std::span(row.solid_offset), {boundary}, "1",
-                            "solid i has the triangles solid_offset[i] to solid_offset[i + 1] - 1"));
+                            "solid i has the triangles solid_offset[i] to solid_offset[i + 1] - 1", Type::offset));
   return group;
 }
 
@@ -95,7 +95,7 @@ void read_shape(const Reader& from, MeshProxy& row) {
   if (row.kind != "solids") return;
   row.vertices = from.values<geometry::Vec3>(path + "/vertices", Type::f64, {kAny, 3});
   row.triangles = from.values<geometry::Facet>(path + "/triangles", Type::u32, {kAny, 3});
-  row.solid_offset = from.values<std::uint64_t>(path + "/solid_offset", {kAny});
+  row.solid_offset = from.values<std::uint64_t>(path + "/solid_offset", Type::offset, {kAny});
   for (const geometry::Facet& facet : row.triangles)
     if (std::ranges::any_of(facet, [&](std::uint32_t corner) { return corner >= row.vertices.size(); }))
       throw h5::Failure(path + ": a triangle has no such vertex");
