@@ -118,8 +118,8 @@ def test_shapes_hold_the_mesh(ran):
 
 
 def test_answers_are_those_of_the_proxies(ran):
-    # The hero is at 6 - s m. The cubes touch at 2 m, the proxies at 1.6 + 0.9 = 2.5 m; eight balls of sqrt(3) / 2 m about
-    # the octants' middles at 2 (0.5 + 0.866) = 2.73 m, capsules, balls of sqrt(3) m here, at 3.46 m.
+    # The hero is at 6 - s m. The cubes touch at 2 m, the proxies at 1.6 + 0.9 = 2.5 m; eight balls of sqrt(3) / 2 m
+    # about the octants' middles at 2 (0.5 + 0.866) = 2.73 m, capsules, balls of sqrt(3) m here, at 3.46 m.
     assert first_hit(ran, "exact") == 4 and first_hit(ran, "hulls") == 4 and first_hit(ran, "proxy") == 4
     assert first_hit(ran, "spheres") == 4 and first_hit(ran, "capsule") == 3
 

@@ -136,7 +136,7 @@ def test_what_is_no_record_is_one_line(tmp_path, smoke):
 
 
 def test_the_action_s_script_works_as_it_stands(tmp_path):
-    """What action.yml runs, in another repository's folder: result, report, records, the code of a failed comparison."""
+    """What action.yml runs, in another repository's folder: result, report, records, a failed comparison."""
     step = (ROOT / "action.yml").read_text().split("id: run\n", 1)[1].split("run: |\n", 1)[1].split("\n    - name:")[0]
     shutil.copy(ROOT / "configs" / "smoke.toml", tmp_path)
     tree = tmp_path / "action"

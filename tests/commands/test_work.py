@@ -325,7 +325,8 @@ def test_a_run_begun_anew_in_its_place_is_told(part):
 
 def test_a_full_disk_of_one_worker_costs_its_chunk_only(part, alone):
     """A limit on the size of files stands for it: the same errors come from the same calls."""
-    small = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1200, 1200))  # noqa: E731  a claim fits, a chunk does not
+    # A claim fits, a chunk does not.
+    small = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1200, 1200))  # noqa: E731
     error = ended(worker(part, preexec_fn=small), FILE)
     assert "cannot be written" in error and "-00000" in error
     assert not list(part.glob("*.claim")) and not list(part.glob(".*"))

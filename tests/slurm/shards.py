@@ -1,5 +1,5 @@
-"""One run shared by two workers on the cluster: one is killed by SIGKILL in its chunk, one is stopped for longer than its
-lease. The result has the digest of a plain run."""
+"""One run shared by two workers on the cluster: one is killed by SIGKILL in its chunk, one is stopped for longer than
+its lease. The result has the digest of a plain run."""
 
 import json
 import os
