@@ -39,6 +39,8 @@ def text(value):
 def record(path, dataset):
     is_text = dataset.dtype == object
     kind = "text" if is_text else dataset.dtype.str.lstrip("<|")
+    if path.endswith("offset") and kind == "i8":
+        kind = "u8"
     head = text(path) + text(kind) + integer(dataset.ndim) + b"".join(integer(size) for size in dataset.shape)
     if is_text:
         return head + b"".join(text(value) for value in dataset.asstr()[()].ravel())

@@ -357,11 +357,17 @@ def figures(runs):
 
 @pytest.mark.parametrize("config", SCENES, ids=lambda path: path.stem)
 def test_every_configuration_gives_figures_with_all_its_labels(small_file, config):
+    """Of others with how they were asked. What costs nothing has no place on a logarithmic axis, and is named."""
     run = load(small_file(config))
-    for drawn in figures([run]):
-        assert sorted(drawn.table.label) == sorted(run.meta["algorithms"])
-        for label in run.meta["algorithms"]:  # under the pointer, when not beside the mark
-            assert f"<title>{label}: error " in drawn.svg
+    names = {label: label + pareto.how_asked(run.meta["answers"][label]) for label in run.meta["algorithms"]}
+    for cost, drawn in zip(plots_error.COSTS, figures([run])):
+        free = {names[label] for label, row in run.summary.iterrows() if not row[cost] > 0}
+        assert sorted(drawn.table.label) == sorted(set(names.values()) - free)
+        for name in names.values():
+            if name in free:
+                assert name in drawn.caption
+            else:  # under the pointer, when not beside the mark
+                assert f"<title>{name}: error " in drawn.svg
         xml.dom.minidom.parseString(drawn.svg)
 
 

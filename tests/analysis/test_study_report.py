@@ -42,7 +42,7 @@ def made(rows=None, **more):
     run = {
         "path": "made.h5", "meta": meta, "study": None if rows is None else pd.DataFrame(rows), "physics": None,
         "extremes": None, "failures": None, "summary": pd.DataFrame(), "per_step": pd.DataFrame(),
-        "truth_hits": np.zeros(0, np.uint64), "passes": None, "failed": {},
+        "truth_hits": np.zeros(0, np.uint64), "passes": None, "failed": {}, "unlike": {},
     } | more
     out = SimpleNamespace(noise=None, **run)
     out.completed = lambda: out

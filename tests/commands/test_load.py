@@ -41,7 +41,9 @@ def test_counts_agree_per_step_and_in_total(small_file, config):
 
 
 def test_the_configurations_tables_are_not_all_empty(small_file):
-    assert sum(load(small_file(config)).truth_hits.sum() > 0 for config in SCENES) >= len(SCENES) - 1
+    """But of the cube, where few steps see no pair meet, and the playground, where the hero is far away then."""
+    empty = {config.stem for config in SCENES if load(small_file(config)).truth_hits.sum() == 0}
+    assert empty <= {"kostka", "front_kostka", "javascript_kostka", "hriste", "front_hriste"}
 
 
 @configs

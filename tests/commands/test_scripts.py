@@ -21,7 +21,7 @@ COMMANDS = sorted(
 )
 SWEEP = """{"sweep": "%s", "title": "A sweep", "parameters": ["seed"], "points": [
     {"name": "seed=1", "parameters": {"seed": 1}, "status": "failed", "reason": "so it is"}]}"""
-SMALLER = {"--step 499": "--step 9", "tests/baselines.py --write": f"{ROOT}/tests/baselines.py --help"}
+SMALLER = {"--step 65": "--step 9", "tests/baselines.py --write": f"{ROOT}/tests/baselines.py --help"}
 
 
 def program(path, text):
