@@ -189,9 +189,9 @@ def test_types_are_as_documented(file):
             assert dataset.dtype == np.dtype("<u4"), path
         elif name.endswith("_ns"):
             assert dataset.dtype == np.dtype("<f8" if path.startswith("/summary") else "<i8"), path
-        elif name == "first_step" or is_scale(dataset):
+        elif name in ("first_step", "pair_offset") or is_scale(dataset):
             assert dataset.dtype == np.dtype("<i8"), path
-        elif path.startswith("/results/") or name in ("pair_offset", "hits", "operations", "contacts"):
+        elif path.startswith("/results/") or name in ("hits", "operations", "contacts"):
             assert dataset.dtype == np.dtype("<u8"), path
 
 
