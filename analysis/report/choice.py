@@ -52,8 +52,8 @@ def together(found):
         unlike = ""
         if alone:
             unlike = f"; but by one scene alone: without {' or '.join(alone)} another is faster"
-        said.append(f"With {words} in every scene: {row.label} is the fastest, {number(row.time)} times"
-                    f" {found.reference}{_as_good(others)}{unlike}.")
+        ratio = "" if row.label == found.reference else f", {number(row.time)} times {found.reference}"
+        said.append(f"With {words} in every scene: {row.label} is the fastest{ratio}{_as_good(others)}{unlike}.")
     worth = set(choice.front_together(found).label)
     frame = found.frame.drop(columns="setting").rename(columns={
         "worst_error": "worst error", "where": "in", "false_negative": "false negatives",

@@ -315,11 +315,10 @@ def who_misses(run):
     found = []
     for before, labels in same.items():
         count = len(evidence.missed(before))
-        found.append(f"{listed(letter(label) for label in labels)} {verb(labels, 'misses', 'miss')} nothing that their "
-                     f"prefilter {before} does not miss, which misses {number(count)} pairs: they add no miss of "
-                     f"their own."
-                     .replace("their prefilter", "its prefilter" if len(labels) == 1 else "their prefilter")
-                     .replace("they add", "it adds" if len(labels) == 1 else "they add"))
+        their, they_add = ("its", "it adds") if len(labels) == 1 else ("their", "they add")
+        found.append(f"{listed(letter(label) for label in labels)} {verb(labels, 'misses', 'miss')} nothing that"
+                     f" {their} prefilter {before} does not miss, which misses {number(count)} pairs: {they_add} no"
+                     f" miss of {their} own.")
     for label in SAMPLERS:
         if label in evidence.knobs and (text := without_triangle(evidence, label)):
             found.append(text)
