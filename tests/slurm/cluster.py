@@ -40,6 +40,10 @@ PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 """
 
 
+class NoCluster(Exception):
+    """None starts here, which is no fault of what would be tried on it: a container may forbid what it needs."""
+
+
 def missing():
     """The programs that a cluster needs and that are not here."""
     path = os.environ["PATH"] + ":/usr/sbin:/sbin"
@@ -68,13 +72,15 @@ def cluster(folder, nodes=2):
             )
 
     try:
-        start_munge(folder / "munge", start)
-        start("slurmctld", "-D")
-        for name in names:
-            start("slurmd", "-D", "-N", name)
-        until(
-            lambda: states(environment) == dict.fromkeys(names, "IDLE"), 60, lambda: f"nodes are {states(environment)}"
-        )
+        try:
+            start_munge(folder / "munge", start)
+            start("slurmctld", "-D")
+            for name in names:
+                start("slurmd", "-D", "-N", name)
+            until(lambda: states(environment) == dict.fromkeys(names, "IDLE"), 60,
+                  lambda: f"nodes are {states(environment)}")
+        except (AssertionError, OSError, KeyError) as error:
+            raise NoCluster(str(error)) from error
         yield environment
     finally:
         end_jobs(environment)
