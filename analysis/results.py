@@ -153,16 +153,17 @@ def short(commit):
 
 
 def spread(means):
-    """What runs of the same differ by: the greatest of their means over the least; 1 for one run."""
-    return float(means.max() / means.min()) if len(means) > 1 else 1.0
+    """What runs of the same differ by: the greatest of their means over the least; none for one run."""
+    return [float(means.max() / means.min())] if len(means) > 1 else []
 
 
 def changes(table):
     """What changed between commits that follow each other on one machine and build, of one question.
 
     One row per label, machine and step from a commit to the next: ratio of the mean times with its interval, noise (the
-    greatest ratio that is none: of the noise floors of both files, and of runs of the same commit), faster or slower
-    (neither within the noise), answers (same or changed), error before and after, libraries that differ.
+    greatest ratio that is none: of the noise floors of both files, and of runs of the same commit; NaN where there is
+    neither), time ("faster" or "slower"; "" within the noise, "?" where that is not known), answers (same or changed),
+    error before and after, libraries that differ.
     """
     rows = []
     for (machine, build, label, knobs), mine in table.groupby(["machine", "build", "label", "knobs"], sort=False):
@@ -172,12 +173,12 @@ def changes(table):
             one, two = new.iloc[-1], old.iloc[-1]
             ratio = _ratio(one, two)
             floors = [max(floor.high, 1 / floor.low) for floor in (one.floor, two.floor) if floor is not None]
-            noise = max([spread(old["mean"]), spread(new["mean"]), *floors])
-            told = ratio.known and not ratio.holds(1) and not 1 / noise <= ratio.value <= noise
+            noise = max([*spread(old["mean"]), *spread(new["mean"]), *floors], default=np.nan)
+            differs = ratio.known and not ratio.holds(1) and not 1 / noise <= ratio.value <= noise
             rows.append({
                 "label": label, "machine": machine, "from": short(before), "to": short(after), "ratio": ratio.value,
                 "low": ratio.low, "high": ratio.high, "noise": noise,
-                "time": ("slower" if ratio.value > 1 else "faster") if told else "",
+                "time": ("?" if np.isnan(noise) else "slower" if ratio.value > 1 else "faster") if differs else "",
                 "answers": "same" if one.digest == two.digest else "changed", "error before": two.error,
                 "error": one.error, "libraries": _libraries(two.libraries, one.libraries),
             })
@@ -234,15 +235,20 @@ def question(table, index):
         f"The answers of {listed(differ.label)} changed between commits." if len(differ) else
         f"Errors are the same everywhere: {counted(len(found), 'label')}, each with one digest of its answers in all"
         " of its records."])]
-    told = changed[(changed.time != "") | (changed.answers == "changed")]
+    told = changed[changed.time.isin(["slower", "faster"]) | (changed.answers == "changed")]
+    unsure = changed[changed.time == "?"]
     said = [
         f"{row.label} from {row['from']} to {row.to} on {row.machine}: "
         + "; ".join(filter(None, [
             f"{row.time}, {number(row.ratio)} times ({number(row.low)} to {number(row.high)}; noise"
-            f" {number(row.noise)})" if row.time else "",
+            f" {number(row.noise)})" if row.time in ("slower", "faster") else "",
             f"other answers, error {number(row['error before'])} -> {number(row.error)}"
             if row.answers == "changed" else "", row.libraries])) + "."
         for _, row in told.iterrows()]
+    if len(unsure):
+        said.append(f"Mean times of {counted(len(unsure), 'label')} differ, by {number(unsure.ratio.min())} to"
+                    f" {number(unsure.ratio.max())} times; whether that means anything is not known: keep a second"
+                    " result of each commit, or ask for the noise floor ([timing] noise = true).")
     steps = changed[["machine", "from", "to"]].drop_duplicates()
     none = f"Nothing above the noise, over {counted(len(steps), 'step')} from a commit to the next on a machine."
     parts.append(Points("What changed", said or [none if len(steps) else "No machine has results of two commits yet."]))

@@ -73,12 +73,13 @@ def test_a_record_is_kept_and_a_page_made(smoke, tmp_path):
 
 
 def test_what_is_above_the_noise_is_told():
-    found = changes(record(), record(commit="2222222", mean=120, low=118, high=122, number=1)).iloc[0]
+    quiet = Interval(1, .99, 1.01)
+    found = changes(record(floor=quiet), record(commit="2222222", mean=120, low=118, high=122, number=1)).iloc[0]
     assert (found["from"], found["to"], found.time, found.answers) == ("1111111", "2222222", "slower", "same")
     assert found.ratio == pytest.approx(1.2) and found.low < 1.2 < found.high
-    assert changes(record(), record(commit="2", mean=80, low=79, high=81, number=1)).time[0] == "faster"
+    assert changes(record(floor=quiet), record(commit="2", mean=80, low=79, high=81, number=1)).time[0] == "faster"
     # Its interval holds 1; the noise floor of a file; runs of the same commit differ by more.
-    assert changes(record(), record(commit="2", mean=101, low=95, high=107, number=1)).time[0] == ""
+    assert changes(record(floor=quiet), record(commit="2", mean=101, low=95, high=107, number=1)).time[0] == ""
     noisy = Interval(1, .8, 1.1)
     assert changes(record(floor=noisy), record(commit="2", mean=120, low=118, high=122, number=1)).time[0] == ""
     twice = [record(), record(mean=125, low=124, high=126, number=1)]
@@ -86,11 +87,18 @@ def test_what_is_above_the_noise_is_told():
     assert changes(*twice, record(commit="2", mean=190, low=189, high=191, number=2)).time[0] == "slower"
 
 
+def test_without_a_known_noise_no_change_is_claimed():
+    table = pd.DataFrame([record(), record(commit="2", mean=120, low=118, high=122, number=1)])
+    assert results.changes(table).time[0] == "?" and np.isnan(results.changes(table).noise[0])
+    text = results.report(table)
+    assert "differ, by 1.2 to 1.2 times; whether that means anything is not known" in text
+
+
 def test_ratios_come_from_the_same_steps_where_they_can():
     """Steps differ by far more than the two commits: apart nothing can be told, together 5 %."""
     slow = [100, 200, 400, 800, 1600, 3200]
     unlike = dict(mean=1050, low=300, high=3000)
-    before = record(**unlike, blocks=slow)
+    before = record(**unlike, blocks=slow, floor=Interval(1, .99, 1.01))
     after = record(**unlike, commit="2", number=1, blocks=np.multiply(slow, 1.05))
     found = changes(before, after).iloc[0]
     assert found.time == "slower" and found.ratio == pytest.approx(1.05) and found.low > 1.04
