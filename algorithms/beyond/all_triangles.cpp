@@ -99,7 +99,7 @@ struct Range {
 template <class Number>
 bool touch(const Range<Number>& a, const Range<Number>& b) {
   bool out = true;
-  for (int k = 0; k < 3; ++k) out = out & (a.min[k] <= b.max[k]) & (b.min[k] <= a.max[k]);
+  for (int k = 0; k < 3; ++k) out = int(out) & int(a.min[k] <= b.max[k]) & int(b.min[k] <= a.max[k]);
   return out;
 }
 
