@@ -140,7 +140,9 @@ TEST(Detect, TimesTheFirstOnceMoreForTheNoise) {
   const auto again = ask();  // from the chunks
   EXPECT_EQ(again[2].time_ns, first[2].time_ns);
   EXPECT_EQ(again[0].costs.setup_ns, first[0].costs.setup_ns);
-  if (counts_heap()) EXPECT_EQ(again[1].costs.memory_greatest_bytes, first[1].costs.memory_greatest_bytes);
+  if (counts_heap()) {
+    EXPECT_EQ(again[1].costs.memory_greatest_bytes, first[1].costs.memory_greatest_bytes);
+  }
 }
 
 TEST(Truth, FindsGapsOnlyWhereAsked) {
