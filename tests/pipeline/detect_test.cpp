@@ -61,6 +61,13 @@ std::vector<Answers> detected(const Row& row, const Truth& truth, const std::vec
 
 }  // namespace
 
+Machine machine(const std::string& host, const std::string& processor) {
+  Machine out;
+  out.host = host;
+  out.processor = processor;
+  return out;
+}
+
 TEST(Truth, FollowsASphereFromOneNeighbourToTheOther) {
   const Row row(13);
   const Truth truth = row.truth();
@@ -248,7 +255,7 @@ TEST(Detect, GivesTheSameInAnyOrderOfChunks) {
       Detector& worker = chunk == order[1] ? other : one;
       chunks[chunk] = worker.make(first, std::span(row.poses).subspan(std::size_t(first), std::size_t(last - first)),
                                   truth.some(std::size_t(first), std::size_t(last)),
-                                  {.host = chunk == order[1] ? "b" : "a"}, nullptr, quiet);
+                                  machine(chunk == order[1] ? "b" : "a", ""), nullptr, quiet);
     }
     std::vector<Answers> all = one.none();
     for (std::size_t chunk = 0; chunk < 3; ++chunk) one.append(chunks[chunk], steps_of_chunk(chunk, 120).count(), all);
@@ -287,8 +294,8 @@ TEST(Detect, HasNoTimeOfTheRunOnUnlikeProcessors) {
   const Row row(120);
   const Truth truth = row.truth();
   std::vector<Answers> all = detected(row, truth, choices({"aabb", "obb_sat"}));
-  all[1].machine = {.host = "n1", .processor = "slow"};
-  all[1].timed_on = {all[1].machine, {.host = "n2", .processor = "quick"}, {.host = "n3", .processor = "slow"}};
+  all[1].machine = machine("n1", "slow");
+  all[1].timed_on = {all[1].machine, machine("n2", "quick"), machine("n3", "slow")};
   EXPECT_FALSE(timed_on_unlike(all[0]));
   EXPECT_TRUE(timed_on_unlike(all[1]));
   EXPECT_GT(summarise(all[0], 360).time_mean_ns, 0);
