@@ -15,7 +15,8 @@ namespace {
 // only the data of meshes are shared. Its globals are not safe among threads: one process is one engine.
 class Ode {
  public:
-  Ode(const Bodies& bodies, const collision_value*) : bodies_(bodies) {
+  /// `bodies` must outlive it: ODE keeps pointers to vertices and triangles.
+  Ode(const Bodies& bodies, const collision_value*) {
     if (!dInitODE2(0)) throw std::runtime_error("ODE does not start");
     world_ = dWorldCreate();
     for (const Mesh& mesh : bodies.meshes) {
@@ -54,7 +55,6 @@ class Ode {
   }
 
  private:
-  const Bodies& bodies_;  // ODE keeps pointers to vertices and triangles
   dWorldID world_;
   std::vector<dTriMeshDataID> data_;
   std::vector<dGeomID> geoms_;
