@@ -136,6 +136,7 @@ Algorithm capsule() {
           .operations_unit = "distances",
           .promise = Promise::conservative,
           .make = make_pairwise<CapsuleTest>,
+          .fits_all = true,
           .memory = CapsuleTest::memory,
           .proxies = proxies};
 }

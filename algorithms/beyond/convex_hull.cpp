@@ -83,6 +83,7 @@ Algorithm convex_hull() {
           .operations_unit = "balls, axis intervals and corners",
           .promise = Promise::conservative,
           .make = make_pairwise<ConvexHull>,
+          .fits_all = true,
           .memory = ConvexHull::memory,
           .proxies = proxies};
 }

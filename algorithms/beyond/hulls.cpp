@@ -125,6 +125,7 @@ Algorithm hulls() {
                      .least = 0,
                      .most = 1e6}},
           .make = make_pairwise<Hulls>,
+          .fits_all = true,
           .memory = Hulls::memory,
           .proxies = proxies};
 }

@@ -128,6 +128,7 @@ Algorithm spheres() {
                      .least = 1,
                      .most = kMostBalls}},
           .make = make_pairwise<Spheres>,
+          .fits_all = true,
           .memory = Spheres::memory,
           .proxies = proxies};
 }

@@ -130,6 +130,7 @@ struct Algorithm {
   Library library = {};
   std::vector<Knob> knobs = {};
   std::function<std::unique_ptr<Method>(const Bodies& bodies, const Knobs& knobs)> make = nullptr;
+  bool fits_all = false;  // `make` refuses no bodies, however bad: nobody need make it only to ask
   /// What `make` would take, told from sizes alone: quick however much that is. Within a factor of 1.5 from 100 KiB on.
   /// Throws what `make` throws for knobs that do not fit the meshes. Null: not known, counted as a copy of the meshes.
   std::function<Memory(const Bodies& bodies, const Knobs& knobs)> memory = nullptr;

@@ -280,7 +280,10 @@ Heard refuse_unfit(const Bodies& bodies, const std::vector<AlgorithmChoice>& cho
   Heard heard;
   for (const AlgorithmChoice& choice : choices) {
     try {
-      if (!choice.foreign && algorithms::memory(row_of(choice), bodies, choice.knobs).greatest > kLarge) continue;
+      if (!choice.foreign) {
+        const algorithms::Algorithm& row = row_of(choice);
+        if (algorithms::memory(row, bodies, choice.knobs).greatest > kLarge || row.fits_all) continue;
+      }
     } catch (const std::invalid_argument& error) {
       throw Error(kInput, whose(choice) + error.what());
     }

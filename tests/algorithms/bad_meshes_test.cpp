@@ -53,6 +53,20 @@ TEST(BadMeshes, HaveAProxyInEverySetUp) {
   }
 }
 
+// `check` does not make these to ask, so they must not refuse later.
+TEST(BadMeshes, AreNotRefusedByRowsThatSaySo) {
+  int rows = 0;
+  for (const Algorithm& row : all()) {
+    if (!row.fits_all) continue;
+    ++rows;
+    for (const Mesh& mesh : bad_meshes()) {
+      const Setting alone = Setting().add(mesh, {});
+      EXPECT_NO_THROW(row.make(alone.bodies, presets(row))) << row.name << " of " << mesh.name;
+    }
+  }
+  EXPECT_EQ(rows, 4) << "convex_hull, spheres, capsule, hulls";
+}
+
 TEST(BadMeshes, MeetThemselvesAndNothingFarAway) {
   for (const Algorithm& row : all()) {
     if (!row.proxies) continue;

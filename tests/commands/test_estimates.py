@@ -106,8 +106,7 @@ def test_check_is_quick_and_says_a_time(config):
     assert run.returncode == DONE, run.stderr
     least, most = json.loads(run.stdout)["seconds"]
     assert 0 < least < most
-    # Or a quarter of the run: where set-ups of sixty labels are dear, the trial that estimates it makes each once.
-    assert after.ru_utime - before.ru_utime < max(5, most / 4)
+    assert after.ru_utime - before.ru_utime < 5
     said = pipeline("check", config, env=NO_PROGRAMS).stdout
     assert re.search(r"^takes +(about .* to .*|less than a second), .* of memory$", said, re.MULTILINE)
 
