@@ -41,9 +41,7 @@ def test_counts_agree_per_step_and_in_total(small_file, config):
 
 
 def test_the_configurations_tables_are_not_all_empty(small_file):
-    """But of the cube and the heap, whose bodies do not meet in few steps, and the playground, whose hero is far."""
-    empty = {config.stem for config in SCENES if load(small_file(config)).truth_hits.sum() == 0}
-    assert {name.split("_")[-1] for name in empty} <= {"kostka", "hriste", "heap"} and len(empty) < len(SCENES) / 2
+    assert sum(load(small_file(config)).truth_hits.sum() > 0 for config in SCENES) >= len(SCENES) - 1
 
 
 @configs
