@@ -146,7 +146,7 @@ TEST(Child, TimeForWhichCtrlZStoppedAllIsNobodys) {
 // A whole second is the least that the system counts.
 TEST(Child, OneThatSpinsIsEndedByItsProcessorTime) {
   const auto all = ended(1, 1, {.processor_seconds = 1, .wall_seconds = 600}, [](std::size_t) -> std::string {
-    for (volatile int spins = 0;;) spins = spins + 1;
+    for (volatile unsigned spins = 0;;) spins = spins + 1;
   });
   EXPECT_EQ(all.at(0).failure, "more than 1.0 s of processor time");
 }
