@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 const std::string kScene = "[scene]\nkind = \"falling\"\n";
 
-fs::path configs() { return fs::path(__FILE__).parent_path().parent_path().parent_path() / "configs"; }
+fs::path configs() { return fs::path(TREE) / "configs"; }
 
 /// The user's error that `act` throws, "CODE text"; "" when it throws none.
 std::string error_of(const std::function<void()>& act) {

@@ -268,7 +268,7 @@ struct Said {
 };
 
 std::vector<Said> conversation() {
-  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+  const std::filesystem::path root = TREE;
   std::ifstream file(root / "algorithms/program/conversation.txt");
   std::vector<Said> out;
   for (std::string line; std::getline(file, line);) {

@@ -78,7 +78,7 @@ TEST(Plugin, OneThatHangsWhenItIsLoadedIsGivenUp) {
 
 // Every step of a recorded motion, pair by pair, in the order in which the runs ask.
 TEST(Plugin, TheExamplesAnswerAsTheBuiltInBoundingSpheres) {
-  const Result recorded = read_result(std::filesystem::path(__FILE__).parent_path().parent_path() / "data/falling.h5");
+  const Result recorded = read_result(std::filesystem::path(TREE) / "tests/data/falling.h5");
   const auto own = find("bounding_sphere")->make(recorded.bodies, {});
   for (const std::string& name : plugins::examples()) {
     const algorithms::Algorithm row = algorithms::plugin_rows(plugins::path_of(name)).at(0);

@@ -184,8 +184,7 @@ TEST(Playground, TheEffectiveConfigurationGivesTheSameScene) {
 }
 
 TEST(Playground, HristeIsTheThesissList) {
-  const std::filesystem::path file =
-      std::filesystem::path(__FILE__).parent_path().parent_path().parent_path() / "configs/hriste.toml";
+  const std::filesystem::path file = std::filesystem::path(TREE) / "configs/hriste.toml";
   const auto scene_of = [](const Config& config) {
     const std::size_t begin = config.effective.find("[scene]");
     return config.effective.substr(begin, config.effective.find("[truth]") - begin);
