@@ -159,10 +159,6 @@ def foreign(runs):
     return Section("Methods of others", [Table("Who answered, and how", pd.DataFrame(rows), caption)]) if rows else None
 
 
-def sweep_report(table):
-    """The HTML of a report on a sweep, the frame of load_sweep; the same files give the same bytes."""
-    return page(*sweep_parts(table))
-
 
 def sweep_parts(table):
     """Title, lead, warnings and sections of a report on a sweep."""
