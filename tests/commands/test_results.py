@@ -156,8 +156,8 @@ def test_the_action_s_script_works_as_it_stands(tmp_path):
     for part in ("scripts", "analysis"):
         (tree / part).symlink_to(ROOT / part)
     env = os.environ | {"GITHUB_ACTION_PATH": str(tree), "CONFIG": "smoke.toml",
-                        "out": str(tmp_path / "temp" / "collision-benchmark"), "GITHUB_OUTPUT": str(tmp_path / "output"), "GITHUB_STEP_SUMMARY": str(tmp_path / "summary"),
-                        "BASELINE": "", "RECORDS": ""}
+                        "out": str(tmp_path / "temp" / "collision-benchmark"), "BASELINE": "", "RECORDS": "",
+                        "GITHUB_OUTPUT": str(tmp_path / "output"), "GITHUB_STEP_SUMMARY": str(tmp_path / "summary")}
     command = ["bash", "-eo", "pipefail", "-c", step]
     done = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True)
     assert done.returncode == DONE, done.stderr
