@@ -17,6 +17,14 @@ def test_the_interval_holds_a_known_ratio_in_19_of_20_trials(factor):
     assert 0.92 <= share <= 0.985, f"seed {SEED}"
 
 
+def test_few_blocks_hold_it_as_often_and_are_never_wild():
+    # 250 steps are five blocks: the bootstrap's interval was up to ten times as wide as its ratio.
+    made = zip(*interval_trials.times(np.random.default_rng(SEED), 300, 250, 0.5))
+    found = [intervals.ratio(one, other) for one, other in made]
+    assert 0.90 <= np.mean([one.holds(interval_trials.RATIO) for one in found]) <= 0.985, f"seed {SEED}"
+    assert max(one.high / one.low for one in found) < 1.25, f"seed {SEED}"
+
+
 def test_plain_percentiles_would_not():
     """The reason why the bootstrap is studentised."""
     times, others = interval_trials.times(np.random.default_rng(SEED), 300, 600, 0.5)

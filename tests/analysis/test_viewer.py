@@ -423,7 +423,7 @@ def test_the_depth_of_a_sphere_in_the_plate_is_how_far_its_lowest_vertex_is_belo
         for (const kind of ["fn", "tp"]) for (const pair of viewer.now()[kind]) {
           if (pair[0] !== 0) continue;
           viewer.choose(pair);
-          const heights = body => { const { index, vertex } = viewer.solid(body); return [...index].map(i => vertex(i)[1]); };
+          const heights = body => { const of = viewer.solid(body); return [...of.index].map(i => of.vertex(i)[1]); };
           found.push([Math.max(...heights(0)) - Math.min(...heights(pair[1])), viewer.measured().out, s, pair]);
         }
       }
