@@ -211,6 +211,8 @@ def grid(run, labels, columns):
     axes.xaxis.tick_top()
     named = [f"{key(run, label)} {text}".strip() for label, text in shortened(labels, 24).items()]
     axes.set_yticks(np.arange(len(labels)) + 0.5, named)
+    for text, label in zip(axes.get_yticklabels(), labels):
+        text.set_gid(f"row:{label}")
     axes.tick_params(length=0, labelsize=8)
     axes.grid(visible=False)
     axes.spines[:].set_visible(False)

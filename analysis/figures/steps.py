@@ -94,8 +94,8 @@ def time_per_step(run, kind, key):
         )
     when = " with all bodies there" if steps.grows else ""
     what = (
-        f"Time of an algorithm for all pairs of a step, preparation included; n = {len(steps.hits)} steps, each point "
-        f"the median of {stretch(steps.hits)}. Spread is over the {steps.full.sum()} steps{when}.{left_out(run)}"
+        f"Time of an algorithm for all pairs of a step, preparation included; n = {len(steps.hits)} steps, "
+        f"{stretch(steps.hits)}. Spread is over the {steps.full.sum()} steps{when}.{left_out(run)}"
     )
     return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
@@ -156,8 +156,8 @@ def hits_per_step(run, kind, key):
         title += "those that meet" if meet else "though none meet"
         title += f"; {fewest} the fewest, {share(fewest)}" if most != fewest else ""
     what = (
-        f"Pairs reported at a step; the grey area ends at the pairs that truly meet; n = {len(steps.hits)} steps, each "
-        f"point the mean of {stretch(steps.hits)}. The axis is linear below 1.{left_out(run, times=False)}"
+        f"Pairs reported at a step; the grey area ends at the pairs that truly meet; n = {len(steps.hits)} steps, "
+        f"{stretch(steps.hits, 'the mean')}. The axis is linear below 1.{left_out(run, times=False)}"
     )
     table = table.astype({"hits": int}).rename_axis("algorithm")
     return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, ""), times=False), table, key)

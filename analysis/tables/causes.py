@@ -122,7 +122,7 @@ def without_triangle(evidence, label):
     part = int((poor[a] | poor[b]).sum())
     if not part:
         return ""
-    few = listed(dict.fromkeys(int(f) for f in evidence.facets[poor]))
+    few = listed(number(count) for count in np.unique(evidence.facets[poor]))
     named = [evidence.names[body] for body in np.flatnonzero(poor)]
     named = listed(named) if len(named) < 3 else f"{number(len(named))} bodies"
     return (

@@ -130,12 +130,14 @@ def kinds(scene, key):
 
 def _kinds_finding(points, met):
     if not met:
-        return f"No pair meets; {(points.hits == 0).sum()} of {len(points)} report none either"
+        silent = (points.hits == 0).sum()
+        return (f"No pair meets; {silent or 'none'} of {len(points)} {verb(silent or 1, 'reports', 'report')} none "
+                "either")
     none_missed, none_false = (points.false_negative == 0).sum(), (points.false_positive == 0).sum()
     misses = points.loc[points.false_negative.idxmax()]
     most = points.loc[points.false_positive.idxmax()]
-    words = (f"{none_missed} of {len(points)} miss nothing, {none_false} {verb(none_false, 'has', 'have')} no false "
-             "positive")
+    words = (f"{none_missed or 'None'} of {len(points)} {verb(none_missed or 1, 'misses', 'miss')} nothing, "
+             f"{none_false or 'none'} {verb(none_false or 1, 'has', 'have')} no false positive")
     if misses.false_negative:
         words += f"; {misses.label} misses most, {number(misses.false_negative / met * 100)} % of what meets"
     if most.false_positive:
