@@ -246,8 +246,8 @@ def about_sections(runs, found):
     return [*([definitions()] if any(not is_study(run) for run in runs) else []), provenance(runs)]
 
 
-SECTIONS = [findings_sections, choice_sections, verdict_sections, nine_sections, studies_sections, extremes_sections,
-            answers_sections, engines_sections, knobs_sections, thesis_sections, drift_sections, foreign_sections,
+SECTIONS = [findings_sections, choice_sections, engines_sections, verdict_sections, nine_sections, studies_sections,
+            extremes_sections, answers_sections, knobs_sections, thesis_sections, drift_sections, foreign_sections,
             about_sections]
 
 
