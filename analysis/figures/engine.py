@@ -119,8 +119,8 @@ def parts_of_a_step(run, kind, key):
     )
     what = (
         "Collision: Cannon's phases in C++ on all pairs of a step; physics: Simbody's integration since the step "
-        f"before, its own search for contacts and their forces included; total: physics and {label}. "
-        f"n = {len(steps.hits) - 1} steps, each point the median of {stretch(steps.hits)}; spread over the "
+        f"before, its own search for contacts and their forces included; total: physics and {label}. n = "
+        f"{len(steps.hits) - 1} steps, each point the median of {stretch(steps.hits)}; spread over the "
         f"{all_there.sum()} steps with all bodies there.{timing_note(run)}"
     )
     return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 0)), table, key)
@@ -158,9 +158,9 @@ def against_collisions(run, kind, key):
     else:
         more = r["physics"] > r[name]
         title = (
-            f"Physics time follows the contacts {'more' if more else 'no more'} closely than collision time "
-            f"({name}) follows its hits, {'as in' if more else 'unlike in'} the thesis "
-            f"(r = {r['physics']:.2f} against {r[name]:.2f})"
+            f"Physics time follows the contacts {'more' if more else 'no more'} closely than collision time ({name}) "
+            f"follows its hits, {'as in' if more else 'unlike in'} the thesis (r = {r['physics']:.2f} against "
+            f"{r[name]:.2f})"
         )
     when = f" over the {steps.full.sum()} steps with all {steps.bodies.max()} bodies" if steps.grows else ""
     what = (

@@ -70,9 +70,9 @@ def one(run, kind, letter, published=None):
     fig.align_ylabels()
     columns["truly meet"] = binned(steps.truth, np.mean)[1]
     what = (
-        f"Time for all pairs of a step, pairs reported (the grey area: pairs that truly "
-        f"meet){' and bodies' if steps.grows else ''} "
-        f"over the steps; n = {len(hits)} steps, each point of {stretch(hits)}."
+        "Time for all pairs of a step, pairs reported (the grey area: pairs that truly "
+        f"meet){' and bodies' if steps.grows else ''} over the steps; n = {len(hits)} steps, each point of "
+        f"{stretch(hits)}."
     )
     if timed != label:
         what += f" The time is that of {timed}, the thesis's procedure with the same answers."

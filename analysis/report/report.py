@@ -159,7 +159,6 @@ def foreign(runs):
     return Section("Methods of others", [Table("Who answered, and how", pd.DataFrame(rows), caption)]) if rows else None
 
 
-
 def sweep_parts(table):
     """Title, lead, warnings and sections of a report on a sweep."""
     title = f"Collision benchmark: {table.attrs['title']}"

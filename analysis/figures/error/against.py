@@ -78,8 +78,7 @@ def finding(points, cost):
     if not len(faster):
         return (
             f"{best.label} {least} at {show(best[cost])} and is as fast as {first.label}, {show(first[cost])}, which "
-            "errs"
-            f" {number(first.error)}: no other is worth its cost here"
+            f"errs {number(first.error)}: no other is worth its cost here"
         )
     second = faster.iloc[-1]
     words = (
@@ -115,11 +114,11 @@ def _caption(scene, points, cost):
     commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
     hits = int(run.truth_hits.sum())
     return (
-        f"{scene.title}: {counted(len(points), 'label')}, {counted(run.meta['steps'], 'step')},"
-        f" {counted(len(run.meta['bodies']), 'body', 'bodies')},"
-        f" {number(hits)} pairs truly meet over all steps. Down and to the left is better; the dashed line is the"
-        f" Pareto front: nothing below it is cheaper. {what if cost == 'time_mean_ns' else units} Configuration"
-        f" {configs}, motion and truth of commit {commits}. " + (machines if cost == "time_mean_ns" else "")
+        f"{scene.title}: {counted(len(points), 'label')}, {counted(run.meta['steps'], 'step')}, "
+        f"{counted(len(run.meta['bodies']), 'body', 'bodies')}, {number(hits)} pairs truly meet over all steps. Down "
+        "and to the left is better; the dashed line is the Pareto front: nothing below it is cheaper. "
+        f"{what if cost == 'time_mean_ns' else units} Configuration {configs}, motion and truth of commit "
+        f"{commits}. " + (machines if cost == "time_mean_ns" else "")
     ).strip()
 
 
@@ -130,8 +129,7 @@ def _trust(points):
     floor = pareto.widest(*points.floor) if "floor" in points else None
     words = (
         " Bars are 95 % intervals of the mean, by a block bootstrap over steps like these; which of two labels is "
-        "faster is"
-        " told by their ratio over the same steps, in the table below."
+        "faster is told by their ratio over the same steps, in the table below."
     )
     if floor is not None:
         most = max(floor.high, 1 / floor.low)
