@@ -34,9 +34,9 @@ DRAWN = 12  # labels in a figure: those with the most records
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="scripts/results", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", metavar="FOLDER")
+    parser.add_argument("folder", metavar="FOLDER", help="of the records and their page, index.html")
     parser.add_argument("files", metavar="FILE.h5", nargs="*", help="results to be kept a record of")
-    parser.add_argument("--program", default=default_program())
+    parser.add_argument("--program", default=default_program(), help="the built program (default: %(default)s)")
     chosen = parser.parse_args(arguments)
     try:
         for file in chosen.files:
