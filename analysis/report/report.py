@@ -498,7 +498,7 @@ def _provenance(run):
     meta = run.meta
     answers = meta["answers"].values()
     libraries = _versions(meta.get("library_versions", "{}"))
-    inputs = _json(meta.get("inputs_sha256", "{}"))
+    inputs = pareto.json_object(meta.get("inputs_sha256", "{}"))
     containment = meta["truth"].get("containment", "ignore")
     if is_study(run):
         of_scene = {"cases": number(len(run.study))}
@@ -536,11 +536,4 @@ def _provenance(run):
 
 
 def _versions(text):
-    return ", ".join(f"{name} {version}" for name, version in _json(text).items())
-
-
-def _json(text):
-    try:
-        return dict(json.loads(text))
-    except (TypeError, ValueError):
-        return {}
+    return ", ".join(f"{name} {version}" for name, version in pareto.json_object(text).items())
