@@ -13,26 +13,22 @@ import argparse
 import glob
 import json
 import os
-import subprocess
 import sys
 
 import numpy as np
 import pandas as pd
 
 from .figures.figure import Figure, Points, Section, Table, figure, style, svg_of
+from .files import replaced
 from .load import load
-from .output import say
-from .program import default_program
+from .output import complain, say, write
+from .program import Refused, answered, default_program
 from .report.page import page
 from .tables import intervals
 from .tables.intervals import Interval
 from .words import counted, listed, number
 
 DRAWN = 12  # labels in a figure: those with the most records
-
-
-class Refused(Exception):
-    pass
 
 
 def main(arguments=None):
@@ -47,14 +43,12 @@ def main(arguments=None):
             say(keep(chosen.folder, file, chosen.program))
         table = read(chosen.folder)
         target = os.path.join(chosen.folder, "index.html")
-        with open(target + ".new", "w", encoding="utf-8") as out:
-            out.write(report(table))
-        os.replace(target + ".new", target)
+        write(target, report(table))
     except Refused as error:
-        print(f"scripts/results: {error}", file=sys.stderr)
+        complain(f"scripts/results: {error}")
         return 4
     except OSError as error:
-        print(f"{error.filename}: {error.strerror}", file=sys.stderr)
+        complain(f"{error.filename}: {error.strerror}" if error.filename else error)
         return 4
     say(target)
     return 0
@@ -65,10 +59,7 @@ def main(arguments=None):
 
 def keep(folder, file, program):
     """Writes the record of a result; gives its path. The same result gives the same record."""
-    done = subprocess.run([program, "show", file, "--json"], capture_output=True, text=True)
-    if done.returncode:
-        raise Refused(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else f"{file}: cannot be shown")
-    told = json.loads(done.stdout)
+    told = json.loads(answered(program, "show", file, "--json"))
     if not told["complete"] or not told.get("algorithms"):
         raise Refused(f"{file}: has no answers of an algorithm; a finished run of a scene has")
     told.pop("which_one", None)
@@ -82,9 +73,10 @@ def keep(folder, file, program):
     place = os.path.join(folder, _plain(host))
     os.makedirs(place, exist_ok=True)
     path = os.path.join(place, f"{_plain(timed)}_{_plain(told['title'])}_{told['digest'][:8]}.json")
-    with open(path, "w", encoding="utf-8") as out:
-        json.dump(told, out, indent=1)
-        out.write("\n")
+    with replaced(path) as part:
+        with open(part, "x", encoding="utf-8") as out:
+            json.dump(told, out, indent=1)
+            out.write("\n")
     return path
 
 

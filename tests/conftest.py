@@ -70,7 +70,8 @@ def small_file(pipeline, tmp_path_factory):
         with open(folder / f"{config.stem}.making", "w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not path.exists():
-                steps = STEPS.get(config.stem, STEPS.get(config.stem.split("_")[-1], 4))  # front_heap: the scene of heap
+                # front_heap has the scene of heap.
+                steps = STEPS.get(config.stem, STEPS.get(config.stem.split("_")[-1], 4))
                 command = [pipeline, "run", str(config), "-o", str(path), "--quiet", "--set", "timing.repeats=1"]
                 subprocess.run(
                     command + (["--set", f"steps={steps}"] if steps else []), check=True, stdout=subprocess.DEVNULL,

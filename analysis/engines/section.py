@@ -5,10 +5,9 @@ import pandas as pd
 
 from . import answers as engines
 from ..tables import pareto
-from ..figures.drawing import digits, guarded, log_seconds, shortened, time_text
-from ..figures.study import space
-from ..figures.figure import FALSE_POSITIVE, MISSED, Figure, Points, Section, Table, figure, slug, svg_of
-from ..words import counted, listed, number, verb
+from ..figures.drawing import digits, guarded, log_seconds, shortened
+from ..figures.figure import FALSE_POSITIVE, MISSED, Figure, Points, Section, Table, figure, slug, space, svg_of
+from ..words import counted, duration, listed, number, verb
 
 LEAST = 2  # labels: with fewer there is nothing to compare
 CONTAINED = "#B8B8B8"
@@ -142,14 +141,14 @@ def languages(answered):
     kinds = {name: mine.sort_values("time_mean_ns").iloc[0] for name, mine in grouped}
     if len(kinds) < 2:
         return []
-    each = [f"{row.name} in {name} ({time_text(row['time_mean_ns'])})" for name, row in kinds.items()]
+    each = [f"{row.name} in {name} ({duration(row['time_mean_ns'])})" for name, row in kinds.items()]
     return [f"The fastest of each language, right or wrong: {listed(each)}."]
 
 
 def with_interval(row):
-    text = time_text(row["time_mean_ns"])
+    text = duration(row["time_mean_ns"])
     low, high = row.get("time_mean_low_ns", np.nan), row.get("time_mean_high_ns", np.nan)
-    return f"{text} ({time_text(low)} to {time_text(high)})" if low == low else text
+    return f"{text} ({duration(low)} to {duration(high)})" if low == low else text
 
 
 def ratio_text(one, other):

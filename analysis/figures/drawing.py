@@ -206,6 +206,13 @@ def other_procedure(run):
     )
 
 
+def source(run):
+    meta = run.meta
+    return (f"{pareto.name(run)}, configuration “{meta.get('title', '')}” (sha256 "
+            f"{meta.get('config_sha256', 'unknown')[:10]}), commit "
+            f"{meta.get('git_commit', '?')[:7]}, {meta.get('run', {}).get('processor', 'unknown processor')}.")
+
+
 def caption(run, what, thesis="", times=True):
     """what: what is drawn and how many (sentences); thesis: the figures of the thesis that it answers; times: whether
     it draws times, so only those of one machine and build."""
@@ -260,14 +267,6 @@ def log_seconds(axes, which="y"):
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,), numticks=15))
     axes.minorticks_off()
     seconds(axis)
-
-
-def time_text(ns):
-    """1234.5 -> "1.23 µs"; three digits."""
-    for unit, scale in (("s", 1e9), ("ms", 1e6), ("µs", 1e3)):
-        if abs(ns) >= scale:
-            return f"{digits(ns / scale)} {unit}"
-    return f"{digits(ns)} ns"
 
 
 def digits(value):

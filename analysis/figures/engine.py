@@ -24,10 +24,10 @@ from .drawing import (
     steps_of,
     stretch,
     stretches,
-    time_text,
 )
 from .figure import PALETTE, Figure, figure, style, svg_of
 from .steps import exponents, named
+from ..words import duration
 
 CANNON = ("cannon_naive", "cannon_sap")
 THESIS = {"box": ("5.1", "5.2", "5.3", "5.4"), "falling": ("5.14", "5.15", "", "5.16")}
@@ -246,18 +246,18 @@ def per_collision(run, kind, key):
     row = table.loc[name]
     early, after = row.iloc[2], row.iloc[3]
     if np.isnan(early) or np.isnan(after):
-        title = f"A collision costs {name} {time_text(row.iloc[1])} (median)"
+        title = f"A collision costs {name} {duration(row.iloc[1])} (median)"
         title += "; too few steps have one to tell whether that settles"
     else:
         settles = after < early
         title = (
-            f"Time per collision ({name}, median {time_text(row.iloc[1])}) "
+            f"Time per collision ({name}, median {duration(row.iloc[1])}) "
             f"{'settles' if settles else 'does not settle'} after the first fifth of the steps, "
             f"{'as in' if settles else 'unlike in'} the thesis: its 95th percentile is {digits(early)} times the 5th "
             f"there and {digits(after)} times afterwards"
         )
     if "physics" in table.index and name != "physics":
-        title += f"; a contact costs the physics {time_text(table['median ns per collision']['physics'])}"
+        title += f"; a contact costs the physics {duration(table['median ns per collision']['physics'])}"
     what = (
         "Collision time over the pairs that the same algorithm reports, physics time over the integrator's contacts; "
         f"n = {len(number) - 1} steps, those without a collision left out, each point a median.{timing_note(run)}"

@@ -5,9 +5,9 @@ import pandas as pd
 from matplotlib.patches import Patch
 
 from ..tables import extremes, pareto
-from .drawing import guarded, shortened
-from .figure import FALSE_POSITIVE, MISSED, Figure, Section, Table, figure, svg_of, slug
-from .study import draw_map, heads_of, source, space
+from .drawing import guarded, shortened, source
+from .figure import FALSE_POSITIVE, MISSED, Figure, Section, Table, figure, slug, space, svg_of
+from .heat_map import draw_map, heads_of
 from ..words import listed, number, verb
 
 # An error that differs by less over a thing may do so by chance: in configs/extremes.toml errors of one half of the

@@ -217,6 +217,12 @@ def figure(rows=1, columns=1, height=HEIGHT, width=WIDTH, **more):
         return plt.subplots(rows, columns, figsize=(width, height), **more)
 
 
+def space(fig, top=0.0, bottom=0.0):
+    """Leaves that many inches above and below the axes to legends."""
+    height = fig.get_size_inches()[1]
+    fig.get_layout_engine().set(rect=(0, bottom / height, 1, 1 - (top + bottom) / height))
+
+
 class Svg(str):
     """A picture as SVG; png: the same as PNG, where that was asked for."""
 

@@ -26,10 +26,9 @@ from .drawing import (
     steps_of,
     stretch,
     stretches,
-    time_text,
 )
 from .figure import PALETTE, Figure, figure, style, svg_of
-from ..words import listed
+from ..words import duration, listed
 
 THESIS = {"box": "figures 5.5 to 5.13", "falling": "figures 5.17 to 5.25"}
 TRUTH = "#DADADA"
@@ -85,7 +84,7 @@ def time_per_step(run, kind, key):
     mean, ratio = table["mean ns"][drawn], table["p95 / p5"][drawn].dropna()
     mean = mean[mean > 0]
     slow, fast = mean.idxmax(), mean.idxmin()
-    title = f"{slow} takes {time_text(mean[slow])} per step, "
+    title = f"{slow} takes {duration(mean[slow])} per step, "
     title += f"{digits(mean[slow] / mean[fast])} times as long as {fast}" if slow != fast else "the only algorithm here"
     if ratio.nunique() > 1:
         calm, lively = ratio.idxmin(), ratio.idxmax()
@@ -284,8 +283,8 @@ def time_against_hits(run, kind, key):
         title = f"No algorithm's time follows its hits (r below {t.FOLLOWS})"
     else:
         dear, cheap = cost.idxmax(), cost.idxmin()
-        title = f"Where time follows hits, one hit more costs {time_text(cost[cheap])} ({cheap})"
-        title += f" to {time_text(cost[dear])} ({dear})" if dear != cheap else ""
+        title = f"Where time follows hits, one hit more costs {duration(cost[cheap])} ({cheap})"
+        title += f" to {duration(cost[dear])} ({dear})" if dear != cheap else ""
     when = f" over the {steps.full.sum()} steps with all bodies there" if steps.grows else ""
     what = (
         f"A dot per step, n = {len(every)} of {len(steps.hits)}; the line is the one of least squares{when}, its slope "

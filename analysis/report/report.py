@@ -5,12 +5,14 @@ import os
 
 import pandas as pd
 
-from ..figures import error as plots_error
+from ..figures.error.against import against
+from ..figures.error.costs import costs
+from ..figures.error.kinds import kinds, trade
 from ..engines import section as engines
 from ..figures import extremes as extremes_figures
 from ..figures import knobs as knobs_figures
 from ..figures import nine
-from ..figures import study as study_figures
+from ..figures.study import sections as study_figures
 from ..figures import sweep as sweep_figures
 from ..figures import thesis as thesis_figures
 from . import choice, findings
@@ -155,11 +157,6 @@ def foreign(runs):
         " through pipes."
     )
     return Section("Methods of others", [Table("Who answered, and how", pd.DataFrame(rows), caption)]) if rows else None
-
-
-def sweep_report(table):
-    """The HTML of a report on a sweep, the frame of load_sweep; the same files give the same bytes."""
-    return page(*sweep_parts(table))
 
 
 def sweep_parts(table):
@@ -400,11 +397,11 @@ def error_against_cost(scene, index):
         apart = ""
         if others:
             apart = f"Other machines or builds timed {len(others)} more labels; they have a figure of their own."
-        parts.append(plots_error.against(scene, mine, "time_mean_ns", f"error-time-{index}-{place}", apart))
-        parts += filter(None, [plots_error.costs(scene, mine, f"costs-{index}-{place}")])
-    parts.append(plots_error.against(scene, scene.points, "operations", f"error-operations-{index}"))
-    parts.append(plots_error.trade(scene, f"precision-recall-{index}"))
-    parts.append(plots_error.kinds(scene, f"error-kinds-{index}"))
+        parts.append(against(scene, mine, "time_mean_ns", f"error-time-{index}-{place}", apart))
+        parts += filter(None, [costs(scene, mine, f"costs-{index}-{place}")])
+    parts.append(against(scene, scene.points, "operations", f"error-operations-{index}"))
+    parts.append(trade(scene, f"precision-recall-{index}"))
+    parts.append(kinds(scene, f"error-kinds-{index}"))
     return Section("Error against time", parts, scene.title)
 
 

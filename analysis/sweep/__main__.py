@@ -27,10 +27,10 @@ import sys
 import tempfile
 import time
 
-from ..output import open_standard_descriptors, say, visible
-from ..program import default_program
+from ..output import complain, open_standard_descriptors, say, visible
+from ..program import Refused, default_program
 from . import tables
-from .plan import Refused, points, read, refuse_if_many
+from .plan import points, read, refuse_if_many
 from .state import file_sha256, identity, read_json, state, why_again, write_json
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -456,10 +456,6 @@ def span(seconds):
     if seconds < 60:
         return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
-
-
-def complain(text):
-    print(visible(" ".join(str(text).split())), file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import time
 
 import h5py
 import pytest
-from program import DONE, FAILED, FILE, INPUT, INTERRUPTED, PIPELINE, ROOT, pipeline
+from program import DONE, FAILED, FILE, INPUT, INTERRUPTED, PIPELINE, ROOT, digest, pipeline, start, wait_for
 
 from analysis.figures.drawing import steps_of
 from analysis.load import load
@@ -24,11 +24,6 @@ CHUNKS = 6
 LEASE = 1.0  # s, short enough to wait for
 
 
-def start(*arguments, **more):
-    more = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | more
-    return subprocess.Popen([PIPELINE, *map(str, arguments)], text=True, **more)
-
-
 def worker(part, *more, lease=LEASE, **how):
     return start("work", part, "--json", "--lease", lease, *more, **how)
 
@@ -38,20 +33,6 @@ def ended(process, code=DONE):
     out, error = process.communicate(timeout=120)
     assert process.returncode == code, error
     return json.loads(out) if code == DONE else error.strip().splitlines()[-1]
-
-
-def wait_for(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if condition():
-            return
-        time.sleep(0.002)
-    raise AssertionError("it did not come to it")
-
-
-def digest(path):
-    with h5py.File(path) as file:
-        return file.attrs["digest"]
 
 
 def chunks(part, stage):
