@@ -28,7 +28,7 @@ from .drawing import (
     stretches,
 )
 from .figure import PALETTE, Figure, figure, style, svg_of
-from ..words import duration, listed
+from ..words import duration, listed, plural
 
 THESIS = {"box": "figures 5.5 to 5.13", "falling": "figures 5.17 to 5.25"}
 TRUTH = "#DADADA"
@@ -145,7 +145,7 @@ def hits_per_step(run, kind, key):
     table = table.join(stretches(each, np.mean).add_prefix("mean, "))
     total = total[drawn]
     if not total.sum():
-        title = f"No algorithm reports anything; {meet:.0f} pairs meet"
+        title = f"No algorithm reports anything; {meet:.0f} {plural(meet, 'pair meets', 'pairs meet')}"
     else:
         most, fewest = total.idxmax(), total.idxmin()
 

@@ -121,7 +121,7 @@ for (const place of all(".picture")) {
     stay.setAttribute("transform", `translate(${moved})`);
     behind.setAttribute("width", 0);
     const { x, y, width, height } = stay.getBBox();
-    for (const [name, length] of Object.entries({ y, height, width: moved && x + width + 3 })) behind.setAttribute(name, length);
+    for (const [name, length] of Object.entries({ y: y - 12, height: height + 24, width: moved && x + width + 3 })) behind.setAttribute(name, length);
   });
 }
 

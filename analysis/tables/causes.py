@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from .clauses import KEYS
-from ..words import listed, number, verb
+from ..words import counted, listed, number, verb
 
 SAMPLERS = ("facet_triangles", "facet_rotations")
 NEEDED = 3  # sampled facets of a body that make one triangle
@@ -188,7 +188,7 @@ def subset(evidence, one, other):
         return ""
     true = int(np.isin(more, evidence.true).sum())
     has = f"every hit of {letter(one)} is one of {letter(other)}" if not len(only) else (
-        f"{letter(one)} reports {number(len(only))} pairs that {letter(other)} does not")
+        f"{letter(one)} reports {counted(len(only), 'pair')} that {letter(other)} does not")
     return (f"{has[:1].upper()}{has[1:]}; {letter(other)} reports {number(len(more))} more, of which {number(true)} "
             "truly meet.")
 
@@ -199,7 +199,7 @@ def kinds_of_error(scene, labels, name=""):
     if table is None or not {"false_positive", "false_negative"} <= set(table):
         return ""
     each = [f"{letter(label)} misses {number(int(table.false_negative[label]))} and has "
-            f"{number(int(table.false_positive[label]))} false positives" for label in labels]
+            f"{counted(int(table.false_positive[label]), 'false positive')}" for label in labels]
     text = "; ".join(each)
     return f"{f'In the {name} scene ' if name else ''}{text}."
 
@@ -314,7 +314,7 @@ def who_misses(run):
         count = len(evidence.missed(before))
         their, they_add = ("its", "it adds") if len(labels) == 1 else ("their", "they add")
         found.append(f"{listed(letter(label) for label in labels)} {verb(labels, 'misses', 'miss')} nothing that"
-                     f" {their} prefilter {before} does not miss, which misses {number(count)} pairs: {they_add} no"
+                     f" {their} prefilter {before} does not miss, which misses {counted(count, 'pair')}: {they_add} no"
                      f" miss of {their} own.")
     for label in SAMPLERS:
         if label in evidence.knobs and (text := without_triangle(evidence, label)):

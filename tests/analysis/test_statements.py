@@ -565,7 +565,7 @@ def test_whose_hits_are_whose_is_told_either_way():
     assert causes.subset(more, "facet_triangles", "facet_rotations") == told
     assert causes.subset(more, "facet_rotations", "facet_triangles") == told
     apart = proof(reported={"facet_triangles": [2], "facet_rotations": [0, 1]})
-    assert "reports 1 pairs that" in causes.subset(apart, "facet_triangles", "facet_rotations")
+    assert "reports 1 pair that" in causes.subset(apart, "facet_triangles", "facet_rotations")
     assert causes.subset(proof(), "facet_triangles", "facet_rotations") == ""
 
 

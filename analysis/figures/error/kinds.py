@@ -65,7 +65,7 @@ def _trade_finding(table):
     safe = table[table.missed == 0]
     if not len(safe):
         best = table.iloc[0]
-        return f"Every label misses something; {best.label} least, {number(best.missed)} pairs"
+        return f"Every label misses something; {best.label} least, {counted(best.missed, 'pair')}"
     best = safe.loc[safe.precision.idxmax()]
     words = f"No misses first: {counted(len(safe), 'label')} {verb(len(safe), 'misses', 'miss')} nothing; "
     words += f"{best.label} has the "
