@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <numeric>
-#include <numeric>
 #include <utility>
 
 #include "geometry/text.hpp"
