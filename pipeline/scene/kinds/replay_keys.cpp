@@ -171,7 +171,6 @@ void read_replay(const Section& s, SceneConfig& config) {
   config.scene = std::move(scene);
 }
 
-
 void write_mesh_or_shape(const ReplayBody& body, TomlText& out) {
   if (body.shape) return write_shape(*body.shape, out);
   out.line("mesh", body.mesh);
