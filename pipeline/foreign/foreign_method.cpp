@@ -1,7 +1,10 @@
 #include "pipeline/foreign/foreign_method.hpp"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "pipeline/foreign/host.hpp"
 #include "pipeline/terminal/words.hpp"
@@ -13,8 +16,9 @@ using geometry::Pair;
 using geometry::PairRun;
 using geometry::Pose;
 
-ForeignMethod::ForeignMethod(std::unique_ptr<Process> process, std::string_view hello, const Budget& budget)
-    : process_(std::move(process)), budget_(budget) {
+ForeignMethod::ForeignMethod(std::unique_ptr<Process> process, std::string_view hello, const Budget& budget,
+                             std::shared_ptr<const HeapCount> heap)
+    : heap_(std::move(heap)), process_(std::move(process)), budget_(budget) {
   const Process::Answer answer = ask("HELO", hello, {"HELO", kMostHelloAnswer}, budget_.all);
   about_ = about_in(answer.content);
   if (about_.setup_ns > answer.exchange_ns)
@@ -82,9 +86,23 @@ void ForeignMethod::forget() {
   if (about_.remembers) ask("WIPE", "", {"DONE", 0}, budget_.step);
 }
 
+namespace {
+
+/// A count in memory that a child forked later shares: what it held is known however it ends.
+std::shared_ptr<HeapCount> shared_count() {
+  void* const at = mmap(nullptr, sizeof(HeapCount), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (at == MAP_FAILED) throw std::bad_alloc();
+  return {new (at) HeapCount, [](HeapCount* count) { munmap(count, sizeof *count); }};
+}
+
+}  // namespace
+
 std::unique_ptr<ForeignMethod> isolated(const std::function<Hosted()>& make, std::size_t bodies, const Budget& budget) {
-  auto process = std::make_unique<Process>([&](int in, int out) { serve(make, bodies, in, out); }, budget.memory);
-  return std::make_unique<ForeignMethod>(std::move(process), "{}", budget);  // it has the bodies: it is our child
+  const std::shared_ptr<HeapCount> heap = shared_count();
+  auto process =
+      std::make_unique<Process>([&](int in, int out) { serve(make, bodies, in, out, *heap); }, budget.memory);
+  // It has the bodies: it is our child.
+  return std::make_unique<ForeignMethod>(std::move(process), "{}", budget, counts_heap() ? heap : nullptr);
 }
 
 std::unique_ptr<ForeignMethod> started(const Command& command, const std::string& label, const Bodies& bodies,

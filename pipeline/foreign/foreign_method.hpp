@@ -8,6 +8,7 @@
 #include "algorithms/contract/algorithm.hpp"
 #include "pipeline/foreign/hello.hpp"
 #include "pipeline/foreign/process.hpp"
+#include "pipeline/system/heap.hpp"
 
 namespace pipeline {
 
@@ -20,8 +21,9 @@ struct ForeignTime {
 /// Every call may throw Fault; the method is then of no use any more.
 class ForeignMethod final : public algorithms::Method {
  public:
-  /// Says hello to a new process.
-  ForeignMethod(std::unique_ptr<Process> process, std::string_view hello, const Budget& budget);
+  /// Says hello to a new process. `heap` is what that counts of its heap; null: it does not.
+  ForeignMethod(std::unique_ptr<Process> process, std::string_view hello, const Budget& budget,
+                std::shared_ptr<const HeapCount> heap = nullptr);
 
   pid_t pid() const { return process_->pid(); }
 
@@ -48,6 +50,9 @@ class ForeignMethod final : public algorithms::Method {
   /// Of the last `answer`.
   const ForeignTime& time() const { return time_; }
 
+  /// Bytes of heap that it held at the most until now; -1: not known.
+  std::int64_t greatest_heap() const { return heap_ ? heap_->greatest : about_.memory_bytes; }
+
   /// Seconds that it has been waited for; those of an earlier process of the same label can be added.
   double waited() const { return before_ + process_->waited(); }
   void add_waited(double seconds) { before_ += seconds; }
@@ -57,6 +62,7 @@ class ForeignMethod final : public algorithms::Method {
   std::uint64_t reply(std::string_view kind, std::span<const geometry::PairRun> runs,
                       std::vector<geometry::Pair>& hits);
 
+  std::shared_ptr<const HeapCount> heap_;
   std::unique_ptr<Process> process_;
   Budget budget_;
   About about_;

@@ -30,22 +30,23 @@ bool read_all(int file, char* to, std::size_t size) {
 /// The method between two questions.
 class Host {
  public:
-  Host(const std::function<Hosted()>& make, std::size_t bodies) : make_(make), bodies_(bodies) {}
+  Host(const std::function<Hosted()>& make, std::size_t bodies, HeapCount& heap)
+      : make_(make), bodies_(bodies), heap_(heap) {}
 
   std::string answer(std::string_view kind, std::uint32_t number, std::string_view content) {
     if (kind == "HELO") {
-      HeapCount heap;
       {
-        const CountingHeap counting(heap);
+        const CountingHeap counting(heap_);
         const auto start = Clock::now();
         hosted_ = make_();
         hosted_.about.setup_ns = nanoseconds(Clock::now() - start).count();
       }
-      if (counts_heap()) hosted_.about.memory_bytes = heap.held;
+      if (counts_heap()) hosted_.about.memory_bytes = heap_.held;
       return frame("HELO", number, text_of(hosted_.about));
     }
     if (!hosted_.method) throw Fault("asked before the hello");
     if (kind == "STEP" || kind == "OPER") return frame("HITS", number, content_of(hits(kind == "OPER", content)));
+    const CountingHeap counting(heap_);
     if (kind == "KEEP") {
       hosted_.method->remember();
     } else if (kind == "WIPE") {
@@ -61,6 +62,21 @@ class Host {
     const QuestionFrame question = question_in(content, bodies_);
     Reply out;
     out.hits.reserve(most_hits_);
+    const std::size_t reserved = heap_bytes(out.hits.data());
+    const std::int64_t greatest = heap_.greatest;
+    {
+      const CountingHeap counting(heap_);
+      answer(counts, question, out);
+    }
+    most_hits_ = std::max(most_hits_, out.hits.size());
+    if (const std::size_t grown = heap_bytes(out.hits.data()) - reserved; grown > 0) {
+      heap_.held -= static_cast<std::int64_t>(grown);
+      heap_.greatest = std::max(greatest, heap_.held);  // the list was there twice for a moment: that is not counted
+    }
+    return out;
+  }
+
+  void answer(bool counts, const QuestionFrame& question, Reply& out) {
     if (counts) {
       hosted_.method->prepare(question.poses, question.enlarge);
       out.operations = static_cast<double>(hosted_.method->count(question.runs, out.hits));
@@ -73,19 +89,18 @@ class Host {
       out.time_ns = static_cast<double>(nanoseconds(answered - start).count());
       out.prepare_ns = static_cast<double>(nanoseconds(prepared - start).count());
     }
-    most_hits_ = std::max(most_hits_, out.hits.size());
-    return out;
   }
 
   const std::function<Hosted()>& make_;
   std::size_t bodies_, most_hits_ = 0;
+  HeapCount& heap_;
   Hosted hosted_;
 };
 
 }  // namespace
 
-void serve(const std::function<Hosted()>& make, std::size_t bodies, int in, int out) {
-  Host host(make, bodies);
+void serve(const std::function<Hosted()>& make, std::size_t bodies, int in, int out, HeapCount& heap) {
+  Host host(make, bodies, heap);
   std::string head(kFrameHead, '\0'), content;
   while (read_all(in, head.data(), head.size())) {
     std::uint32_t number = 0, length = 0;

@@ -4,11 +4,12 @@
 #include <functional>
 
 #include "pipeline/foreign/foreign_method.hpp"
+#include "pipeline/system/heap.hpp"
 
 namespace pipeline {
 
 /// Answers frames from `in` on `out` with the method that `make` makes at the hello, until `in` ends. What the method
-/// throws is sent as FAIL.
-void serve(const std::function<Hosted()>& make, std::size_t bodies, int in, int out);
+/// throws is sent as FAIL. `heap` counts what it takes; the lists of hits that are sent are not the method's.
+void serve(const std::function<Hosted()>& make, std::size_t bodies, int in, int out, HeapCount& heap);
 
 }  // namespace pipeline

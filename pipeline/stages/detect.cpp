@@ -42,10 +42,12 @@ struct Entry {
 
 double known(std::int64_t heap_bytes) { return counts_heap() ? double(heap_bytes) : Costs::kUnknown; }
 
-/// By the word of a method of others.
-Costs costs_of(const About& about) {
-  return {.setup_ns = double(about.setup_ns),
-          .memory_bytes = about.memory_bytes < 0 ? Costs::kUnknown : double(about.memory_bytes)};
+/// Of a method of others: a program's by its word.
+Costs costs_of(const ForeignMethod& method) {
+  const auto bytes = [](std::int64_t count) { return count < 0 ? Costs::kUnknown : double(count); };
+  return {.setup_ns = double(method.about().setup_ns),
+          .memory_bytes = bytes(method.about().memory_bytes),
+          .memory_greatest_bytes = bytes(method.greatest_heap())};
 }
 
 /// Throws Fault for a method of others.
@@ -64,7 +66,7 @@ Entry set_up(const Bodies& bodies, const AlgorithmChoice& choice) {
     entry.foreign = dynamic_cast<ForeignMethod*>(entry.method.get());
     if (entry.foreign) entry.promise = entry.foreign->about().promise;
     const double held = known(entry.heap.held);
-    entry.costs = entry.foreign ? costs_of(entry.foreign->about()) : Costs{double(spent.count()), held, held};
+    entry.costs = entry.foreign ? costs_of(*entry.foreign) : Costs{double(spent.count()), held, held};
     return entry;
   } catch (const std::invalid_argument& error) {
     throw Error(kInput, whose(choice) + error.what());
@@ -184,6 +186,11 @@ std::uint64_t counted(Entry& entry, std::span<const Pose> poses, std::span<const
   return operations;
 }
 
+void keep_greatest(const Entry& entry, Answers& out) {
+  const double now = entry.foreign ? costs_of(*entry.foreign).memory_greatest_bytes : known(entry.heap.greatest);
+  out.costs.memory_greatest_bytes = std::fmax(out.costs.memory_greatest_bytes, now);
+}
+
 /// A step of a chunk that begins at step `first` of the run. All or nothing: what throws leaves `out` as it was.
 void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const PairRun> runs, const Truth& all_truth,
                  std::int64_t first, std::size_t step, std::int64_t repeats, std::vector<Pair>& timed_hits,
@@ -218,8 +225,7 @@ void answer_step(Entry& entry, std::span<const Pose> poses, std::span<const Pair
   out.rounding_miss.push_back(rounding);
   out.operations.push_back(operations);
   out.processor_ns.push_back(timings.front().processor_ns);
-  if (!entry.foreign)
-    out.costs.memory_greatest_bytes = std::fmax(out.costs.memory_greatest_bytes, known(entry.heap.greatest));
+  keep_greatest(entry, out);
   out.time_ns.push_back(timings.front().total_ns);
   out.prepare_ns.push_back(timings.front().prepare_ns);
   if (entry.foreign) out.exchange_ns.push_back(timings.front().exchange_ns);
@@ -236,6 +242,7 @@ void guarded(Entry& entry, Answers& answers, Act act) {
     act();
   } catch (const Fault& fault) {
     answers.foreign->reason = fault.what();
+    keep_greatest(entry, answers);  // of one that leaked, what it had
     entry = {};
   }
 }

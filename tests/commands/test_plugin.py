@@ -142,6 +142,19 @@ def test_answers_are_those_of_the_built_in_method(answered):
         assert (file["results/time_ns"][:, 1] > 0).all()
 
 
+def test_heap_is_counted_as_of_own_methods(answered):
+    """What both keep for each body, and what the pipeline adds: names, meshes, the list of hits."""
+    with h5py.File(answered) as file:
+        own, mine = (file["answers"][label].attrs for label in ["bounding_sphere", "bounding_spheres_c"])
+        for name in ["memory_bytes", "memory_greatest_bytes"]:
+            assert own[name] / 2 <= mine[name] < own[name] + 64 * 1024, name
+        assert mine["memory_greatest_bytes"] >= mine["memory_bytes"]
+        row = list(file["algorithm"].asstr()[()]).index("bounding_spheres_c")
+        assert file["summary/memory_greatest_bytes"][row] == mine["memory_greatest_bytes"]
+    shown = re.search(r"^bounding_spheres_c .*", pipeline("show", answered).stdout, re.MULTILINE)[0]
+    assert "KiB" in shown
+
+
 def test_the_hash_of_the_library_stands_in_the_file(answered, spheres):
     digest = subprocess.run(["sha256sum", spheres], capture_output=True, text=True, check=True).stdout.split()[0]
     with h5py.File(answered) as file:
@@ -435,14 +448,14 @@ FAULTS = {
     "odd_fails_silently": "count failed: it gives no reason",
     "odd_aborts": "aborted.*Assertion `sense > 0' failed",
     "odd_crashes": "signal 11",
-    "odd_exits": "",
+    "odd_exits": "it ended with code 0",
     "odd_hangs": "no answer within 1.0 s",
-    "odd_leaks": "",
-    "odd_unknown": "4000000",
-    "odd_twice": "",
-    "odd_itself": "1",
-    "odd_backwards": "",
-    "odd_unborn": "",
+    "odd_leaks": "it aborted",
+    "odd_unknown": "pair 0, 4000000: there is no body 4000000",
+    "odd_twice": r"it reports the pair \d+, \d+ twice",
+    "odd_itself": "it reports the pair 1, 1: a body with itself",
+    "odd_backwards": "the smaller number must come first",
+    "odd_unborn": r"body \d+ is not there yet",
     "odd_overruns": "pairs in a buffer of",
 }
 GOOD = ["odd_prints", "odd_good", "odd_uncounted"]
@@ -451,7 +464,8 @@ GOOD = ["odd_prints", "odd_good", "odd_uncounted"]
 @pytest.fixture(scope="module")
 def faults(odd, tmp_path_factory):
     folder = tmp_path_factory.mktemp("faults")
-    rows = [f'name = "{name}"\nstep_budget = 1.0\nmemory_budget = 300' for name in [*FAULTS, *GOOD]]
+    rows = [f'name = "{name}"\nstep_budget = {1.0 if name == "odd_hangs" else 30.0}\nmemory_budget = 300'
+            for name in [*FAULTS, *GOOD]]
     config = configured(folder, [odd], rows)
     run = pipeline("run", config, "-o", folder / "out.h5", "--quiet")
     assert run.returncode == FAILED, run.stderr
@@ -471,6 +485,13 @@ def test_what_goes_wrong_is_data(name, faults):
         assert answers["pair_offset"][2] > 0, "steps before it are kept"
         assert answers["pair_offset"][2] == answers["pair_offset"][-1], "of those after it nothing is known"
     assert name in run.stderr
+
+
+def test_what_one_that_leaked_held_is_known(faults):
+    """64 MiB at a time, of a budget of 300."""
+    _, file, _ = faults
+    with h5py.File(file) as result:
+        assert 64 <= result["answers/odd_leaks"].attrs["memory_greatest_bytes"] / 2**20 <= 300
 
 
 @pytest.mark.parametrize("name", GOOD)

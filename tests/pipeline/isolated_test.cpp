@@ -118,6 +118,30 @@ TEST(Isolated, WhateverItDoesIsAFault) {
   EXPECT_TRUE(no_child_is_left());
 }
 
+TEST(Isolated, ItsHeapIsCountedAlsoWhereItEndsBadly) {
+  if (!counts_heap()) GTEST_SKIP() << "a sanitizer has its own malloc";
+  constexpr std::int64_t kOne = 1 << 20, kLittle = 64 << 10;
+  const auto near = [](std::int64_t bytes, std::int64_t wanted) { return wanted <= bytes && bytes < wanted + kLittle; };
+  const auto for_a_while = told([](auto&) {
+    char* volatile taken = new char[kOne]();
+    delete[] taken;
+  });
+  EXPECT_LT(for_a_while->greatest_heap(), kLittle);
+  for (int i = 0; i < 3; ++i) answer(*for_a_while);
+  EXPECT_TRUE(near(for_a_while->greatest_heap(), kOne)) << for_a_while->greatest_heap();
+
+  const auto leaks = told([count = 0](auto&) mutable {
+    [[maybe_unused]] char* volatile kept = new char[kOne]();
+    if (++count == 3) std::abort();
+  });
+  EXPECT_THROW(for (int i = 0; i < 3; ++i) answer(*leaks), Fault);
+  EXPECT_TRUE(near(leaks->greatest_heap(), 3 * kOne)) << leaks->greatest_heap();
+
+  const auto reports = told([](std::vector<Pair>& hits) { hits = {{0, 1}, {0, 2}, {1, 2}}; });
+  for (int i = 0; i < 100; ++i) answer(*reports);
+  EXPECT_LT(reports->greatest_heap(), 8 << 10) << "the lists of hits are not the method's";
+}
+
 TEST(Isolated, WhatItPrintsIsNoAnswer) {
   EXPECT_EQ(fault([](auto&) {
               std::puts("HITS of the year");

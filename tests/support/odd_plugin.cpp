@@ -114,8 +114,8 @@ int prints(Method* method, const collision_run* runs, std::uint64_t run_count, c
 int reports_unknown(Method*, const collision_run*, std::uint64_t, collision_hits* hits, char*) {
   return collision_hit(hits, 0, 4000000);
 }
-int reports_twice(Method* method, const collision_run* runs, std::uint64_t run_count, collision_hits* hits, char*) {
-  return all_pairs(method, runs, run_count, hits) || all_pairs(method, runs, run_count, hits);
+int reports_twice(Method*, const collision_run* runs, std::uint64_t, collision_hits* hits, char*) {
+  return collision_hit(hits, runs[0].a, runs[0].first) || collision_hit(hits, runs[0].a, runs[0].first);
 }
 int reports_itself(Method*, const collision_run*, std::uint64_t, collision_hits* hits, char*) {
   return collision_hit(hits, 1, 1);
