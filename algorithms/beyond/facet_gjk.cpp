@@ -143,11 +143,12 @@ class Cutting {
   std::vector<Vec3> points_;  // #facets
 };
 
+std::size_t stride_of(const Knobs& knobs) { return static_cast<std::size_t>(value_of<std::int64_t>(knobs, "stride")); }
+
 struct FacetGjk {
   FacetGjk(const Bodies& bodies, const Knobs& knobs) : mesh(bodies.mesh), placed(bodies.size()), is(bodies.size()) {
-    const auto stride = static_cast<std::size_t>(value_of<std::int64_t>(knobs, "stride"));
     for (const Mesh& one : bodies.meshes) {
-      pieces.push_back(Cutting(one, stride).pieces);
+      pieces.push_back(Cutting(one, stride_of(knobs)).pieces);
       double most = 0;
       for (const Piece& piece : pieces.back()) most = std::fmax(most, piece.distance);
       reach.push_back(value_of<double>(knobs, "reach") * most);
@@ -157,7 +158,7 @@ struct FacetGjk {
 
   /// As if all bodies were convex: whether they are is not known from sizes, and pieces are small.
   static Memory memory(const Bodies& bodies, const Knobs& knobs) {
-    const auto stride = static_cast<std::size_t>(value_of<std::int64_t>(knobs, "stride"));
+    const std::size_t stride = stride_of(knobs);
     Memory out =
         memory_by_body(bodies, sizeof(std::uint32_t) + sizeof(std::vector<PlacedConvex>) + sizeof(PlacedConvex) + 1);
     for (const Mesh& one : bodies.meshes) {
@@ -229,6 +230,17 @@ struct FacetGjk {
   std::vector<const PlacedConvex*> near_a, near_b;
 };
 
+/// The pieces without the reach.
+std::vector<Proxy> proxies(const Bodies& bodies, const Knobs& knobs) {
+  std::vector<Proxy> out;
+  for (const Mesh& mesh : bodies.meshes) {
+    Proxy& proxy = out.emplace_back(Proxy{.kind = Proxy::Kind::solids, .balls = {}, .solids = {}});
+    for (Piece& piece : Cutting(mesh, stride_of(knobs)).pieces)
+      proxy.solids.push_back(geometry::surface_with_facets(std::move(piece.solid)));
+  }
+  return out;
+}
+
 }  // namespace
 
 Algorithm facet_gjk() {
@@ -245,7 +257,8 @@ Algorithm facet_gjk() {
                      .most = 1e3},
                     prefilter_knob()},
           .make = make_filtered<FacetGjk>,
-          .memory = filtered_memory<FacetGjk>};
+          .memory = filtered_memory<FacetGjk>,
+          .proxies = proxies};
 }
 
 }  // namespace algorithms

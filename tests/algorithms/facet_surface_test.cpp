@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "algorithms/beyond/facet_gjk.hpp"
+#include "geometry/decision/contain.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/setting.hpp"
 
@@ -135,6 +136,27 @@ TEST(FacetGjk, ReachesFartherByItsKnob) {
   EXPECT_FALSE(at(0.0));
   EXPECT_FALSE(at(0.5));
   EXPECT_TRUE(at(8.0));
+}
+
+// What stands in the file in place of a mesh.
+TEST_P(Wishes, TellWhatTheyTestInPlaceOfAMesh) {
+  const Algorithm& row = *find(GetParam());
+  const Mesh ring = geometry::torus("torus", 6, 1, 16), cube = geometry::box("cube", {1, 1, 1});
+  const Setting setting = Setting().add(ring, {}).add(cube, {});
+  const std::vector<Proxy> found = row.proxies(setting.bodies, presets(row));
+  ASSERT_EQ(found.size(), 2u);
+  const std::vector<Mesh>& of_ring = found[0].solids;
+  if (row.name == "facet_surface") {
+    ASSERT_EQ(of_ring.size(), 1u);
+    EXPECT_LE(of_ring[0].triangles.size(), std::max<std::size_t>(32, ring.triangles.size() / 20));
+    EXPECT_TRUE(geometry::solid_of(of_ring[0], 0).closed);
+  } else {
+    EXPECT_GT(of_ring.size(), 1u) << "the hole stays open";
+    for (const Mesh& piece : of_ring)
+      for (const Vec3& v : piece.vertices) EXPECT_NE(std::ranges::find(ring.vertices, v), ring.vertices.end());
+  }
+  ASSERT_EQ(found[1].solids.size(), 1u);
+  EXPECT_EQ(found[1].solids[0].triangles.size(), 12u) << "a box is itself";
 }
 
 // Flat, straight, single and repeated facets have an answer, and are apart where nothing is near.
