@@ -138,6 +138,26 @@ TEST(FacetGjk, ReachesFartherByItsKnob) {
   EXPECT_TRUE(at(8.0));
 }
 
+// Without a filter in front it rejects what is far itself: by nothing that is within its reach, and one pair after
+// another as row by row. The filter here is wider than all that it tests.
+TEST(FacetGjk, AnswersAloneAsBehindAFilterThatLosesNothing) {
+  for (std::uint32_t seed = 95; seed <= 97; ++seed) {
+    std::mt19937 random(seed);
+    Setting setting = crowd(random, 40, 3);
+    for (int i = 0; i < 20; ++i)
+      setting.add(i % 2 ? geometry::torus("torus", 2, 0.5, 8) : geometry::sphere("ball", 0.7, 6),
+                  {uniform_turn(random), uniform_point(random, 3)});
+    for (const double reach : {0.5, 1.0}) {
+      const Changed alone = {{"prefilter", std::string("none")}, {"reach", reach}},
+                    behind = {{"prefilter", std::string("bounding_sphere")}, {"reach", reach}};
+      const std::vector<Pair> found = hits("facet_gjk", setting, alone);
+      EXPECT_GT(found.size(), 100u);
+      EXPECT_LT(found.size(), 1400u) << "of 1770 pairs";
+      EXPECT_EQ(found, hits("facet_gjk", setting, behind)) << "seed " << seed << ", reach " << reach;
+    }
+  }
+}
+
 // What stands in the file in place of a mesh.
 TEST_P(Wishes, TellWhatTheyTestInPlaceOfAMesh) {
   const Algorithm& row = *find(GetParam());
