@@ -14,7 +14,7 @@ from .tables import scenes, study_tables
 from .viewer import viewer
 from .intact import Unvouched
 from .load import SWEEP, load, load_sweep
-from .output import open_standard_descriptors, refuse, say, visible, write
+from .output import complain, open_standard_descriptors, refuse, say, write
 from .tables.clauses import shown
 from .tables.statements import PUBLISHED, verdicts
 
@@ -40,8 +40,8 @@ def main(arguments=None):
     viewer.add_command(commands)
     for command in commands.choices.values():
         command.add_argument("--unsealed", action="store_true", help="read results although they were changed since "
-                                                                     "they "
-                             "were written, as by own datasets; digests still hold")
+                                                                     "they were written, as by own datasets; digests "
+                                                                     "still hold")
     chosen = parser.parse_args(arguments)
     try:
         with warnings.catch_warnings():
@@ -55,10 +55,6 @@ def main(arguments=None):
         complain(error.args[0] if isinstance(error, KeyError) and error.args else error)
         return 4
     return 0
-
-
-def complain(text):
-    print(visible(" ".join(str(text).split())), file=sys.stderr)
 
 
 def write_report(paths, output, unsealed=False, figures=None):

@@ -15,16 +15,16 @@ import json
 import math
 import os
 import re
-import subprocess
 import sys
 import tempfile
 
 import h5py
 import numpy as np
 
+from .files import replaced
 from .load import load
-from .output import say
-from .program import default_program
+from .output import complain, say
+from .program import Refused, answered, default_program
 from .tables import pareto
 
 FACTORS = (0.25, 0.5, 2, 4)  # of a knob's preset, the first time
@@ -36,23 +36,20 @@ PEERS = {"fcl_bvh"}  # what a build may lack
 WORTH = 60  # settings asked again at most, the nearest first
 
 
-class Refused(Exception):
-    pass
-
-
 def main(arguments=None):
     chosen = parsed(arguments)
     try:
         with tempfile.TemporaryDirectory(prefix="front") as folder:
             kept = search(chosen, folder)
         text = configuration(open(chosen.config, encoding="utf-8-sig").read(), kept, chosen)
-        with open(chosen.output, "w", encoding="utf-8") as file:
-            file.write(text)
+        with replaced(chosen.output) as part:
+            with open(part, "x", encoding="utf-8") as file:
+                file.write(text)
     except Refused as error:
-        print(f"scripts/front: {error}", file=sys.stderr)
-        return 3
+        complain(f"scripts/front: {error}")
+        return error.code
     except OSError as error:
-        print(f"{error.filename}: {error.strerror}", file=sys.stderr)
+        complain(f"{error.filename}: {error.strerror}" if error.filename else error)
         return 4
     say(f"{chosen.output}: {len(kept)} labels")
     return 0
@@ -61,17 +58,17 @@ def main(arguments=None):
 def parsed(arguments):
     parser = argparse.ArgumentParser(prog="scripts/front", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("config", metavar="CONFIG")
-    parser.add_argument("-o", "--output", metavar="FRONT.toml", required=True)
+    parser.add_argument("config", metavar="CONFIG", help="the scene that is asked about")
+    parser.add_argument("-o", "--output", metavar="FRONT.toml", required=True, help="the configuration that is made")
     parser.add_argument("--steps", type=int, default=60, help="how many are replayed (60)")
     parser.add_argument("--keep", type=int, default=40, help="labels in FRONT.toml beside the presets, at most (40)")
-    parser.add_argument("--program", default=default_program())
+    parser.add_argument("--program", default=default_program(), help="the built program (default: %(default)s)")
     return parser.parse_args(arguments)
 
 
 def search(chosen, folder):
     """The settings worth asking: [(label, algorithm, knobs)], presets first."""
-    table = [row for row in json.loads(pipeline(chosen, "list", "algorithms", "--json"))
+    table = [row for row in json.loads(answered(chosen.program, "list", "algorithms", "--json"))
              if row["name"] not in UNASKED and (not row["library"] or row["name"] in PEERS)]
     scene = replay(chosen, folder)
     asked = {}
@@ -89,20 +86,13 @@ def search(chosen, folder):
     return presets + [setting for setting in worth if key(*setting[1:]) not in known]
 
 
-def pipeline(chosen, *arguments):
-    done = subprocess.run([chosen.program, *arguments], capture_output=True, text=True)
-    if done.returncode:
-        raise Refused(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else f"{arguments[0]} failed")
-    return done.stdout
-
-
 def replay(chosen, folder):
     """Some steps of the scene as a replay: the text of its configuration, without algorithms."""
     say(f"{chosen.config}: the motion, of which {chosen.steps} steps are replayed")
     whole = os.path.join(folder, "whole.h5")
     settings = ["--set", "timing.repeats=1"]
-    pipeline(chosen, "run", chosen.config, "-o", whole, "--quiet", *settings)
-    pipeline(chosen, "export", whole, "--csv", os.path.join(folder, "csv"))
+    answered(chosen.program, "run", chosen.config, "-o", whole, "--quiet", *settings)
+    answered(chosen.program, "export", whole, "--csv", os.path.join(folder, "csv"))
     with h5py.File(whole) as file:
         steps = len(file["step"])
         containment = file["truth"].attrs.get("containment", "ignore")
@@ -186,7 +176,7 @@ def answers(chosen, folder, scene, settings, asked):
         with open(path + ".toml", "w") as file:
             file.write(scene + "".join(map(block, ((label, *setting) for label, setting in batch.items()))))
         os.replace(path + ".toml", os.path.join(folder, "round.toml"))
-        pipeline(chosen, "run", os.path.join(folder, "round.toml"), "-o", path + ".h5", "--quiet")
+        answered(chosen.program, "run", os.path.join(folder, "round.toml"), "-o", path + ".h5", "--quiet")
         asked.update(batch)
         say(f"{len(asked)} settings asked")
     runs = [load(os.path.join(folder, name)) for name in sorted(os.listdir(folder)) if name.startswith("round_")]

@@ -3,11 +3,12 @@ another page."""
 
 import os
 import re
-import secrets
 import signal
 import sys
 
 import jinja2
+
+from .files import replaced
 
 # As is_control of pipeline/terminal/words.cpp has them.
 CONTROLS = re.compile(
@@ -37,6 +38,11 @@ def say(text):
         if isinstance(error, BrokenPipeError):  # `| head` has read enough
             sys.exit(128 + signal.SIGPIPE)
         raise OSError(f"stdout: cannot be written ({error.strerror})") from error
+
+
+def complain(text):
+    """Prints what is wrong, as one line."""
+    print(visible(" ".join(str(text).split())), file=sys.stderr)
 
 
 def visible(text):
@@ -70,22 +76,11 @@ def refuse(path):
 def write(path, text):
     """Writes the page. Raises OSError, in a line that starts with the path."""
     refuse(path)
-    part, made = f"{path}.{secrets.token_hex(4)}.new", False  # a name of one's own, where others can write too
-    try:
+    with replaced(path) as part:
         with open(part, "x", encoding="utf-8", errors="replace") as file:  # a file's name may be no UTF-8
-            made = True
             if os.path.exists(path):
                 os.fchmod(file.fileno(), os.stat(path).st_mode & 0o777)
             file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(part, path)
-        made = False
-    except OSError as error:
-        raise OSError(f"{path}: cannot be written ({error.strerror})") from error
-    finally:
-        if made:
-            os.remove(part)
 
 
 def _is_page(path):

@@ -12,6 +12,24 @@ def number(value):
     return f"{value:.3g}"
 
 
+def duration(ns):
+    """A time with its unit."""
+    if not np.isfinite(ns):
+        return "–"
+    unit, name = next(((u, n) for u, n in ((1e9, "s"), (1e6, "ms"), (1e3, "µs")) if abs(ns) >= u * 0.9995), (1, "ns"))
+    return f"{number(ns / unit)} {name}"
+
+
+def memory(size):
+    """Bytes with their unit."""
+    if not np.isfinite(size):
+        return "–"
+    for unit, name in ((1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB")):
+        if size >= unit:
+            return f"{number(size / unit)} {name}"
+    return f"{number(size)} B"
+
+
 def plural(count, one, many=""):
     """The noun for that many: case, cases."""
     return one if count == 1 else many or one + "s"

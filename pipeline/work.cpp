@@ -67,6 +67,7 @@ class Worker {
         scene_(make_scene(config)),
         truths_(scene_.bodies, {config.containment, config.gap_margin}),
         detector_(scene_.bodies, config.algorithms, config.repeats, config.noise),
+        case_detector_(scene_.bodies, scene_.script, scene_.case_sets, config.algorithms, config.repeats),
         progress_("work", 2 * std::uint64_t(config.steps), options.quiet),
         quiet_(options.quiet),
         truth_there_(chunk_count(config.steps)),
@@ -137,9 +138,7 @@ class Worker {
     truths_.append(*bytes, at.count(), truth);
     const Pinned pinned(config_.pin);
     const Machine here = machine_of(pinned, config_.pin, std::exchange(quiet_, true));
-    if (cases)
-      return make_extremes(scene_.bodies, scene_.script, truth, scene_.case_sets, config_.algorithms, config_.repeats,
-                           here, at.first, at.last, progress_);
+    if (cases) return case_detector_.make(truth, at.first, at.last, here, progress_);
     return detector_.make(at.first, poses(at), truth, here, &part_, progress_);
   }
 
@@ -169,6 +168,7 @@ class Worker {
   Scene scene_;
   TruthChunks truths_;
   Detector detector_;
+  ExtremesDetector case_detector_;  // in place of it where there are cases
   Progress progress_;
   bool quiet_, said_ = false;
   int orphan_ = 0;

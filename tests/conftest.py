@@ -1,5 +1,6 @@
 """What the tests in Python share: the built program and a result of it."""
 
+import fcntl
 import os
 import pathlib
 import subprocess
@@ -59,19 +60,23 @@ STEPS = {"cup": 44, "heap": 44, "kostka": 100, "hriste": 400, "replay_example": 
 
 @pytest.fixture(scope="session")
 def small_file(pipeline, tmp_path_factory):
-    """config -> the path of a small result of it, made once."""
-    folder, made = tmp_path_factory.mktemp("small"), {}
+    """config -> the path of a small result of it, made once, also when several processes test."""
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        folder = folder.parent
 
     def small(config):
-        if config not in made:
-            path = folder / f"{config.stem}.h5"
-            steps = STEPS.get(config.stem, STEPS.get(config.stem.split("_")[-1], 4))  # front_heap: the scene of heap
-            command = [pipeline, "run", str(config), "-o", str(path), "--quiet", "--set", "timing.repeats=1"]
-            subprocess.run(
-                command + (["--set", f"steps={steps}"] if steps else []), check=True, stdout=subprocess.DEVNULL,
-                env=NO_PROGRAMS,
-            )
-            made[config] = path
-        return made[config]
+        path = folder / f"{config.stem}.h5"
+        with open(folder / f"{config.stem}.making", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not path.exists():
+                # front_heap has the scene of heap.
+                steps = STEPS.get(config.stem, STEPS.get(config.stem.split("_")[-1], 4))
+                command = [pipeline, "run", str(config), "-o", str(path), "--quiet", "--set", "timing.repeats=1"]
+                subprocess.run(
+                    command + (["--set", f"steps={steps}"] if steps else []), check=True, stdout=subprocess.DEVNULL,
+                    env=NO_PROGRAMS,
+                )
+        return path
 
     return small

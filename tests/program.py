@@ -2,8 +2,10 @@
 import json
 import os
 import subprocess
+import time
 from pathlib import Path
 
+import h5py
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -17,6 +19,27 @@ NO_PROGRAMS = {**os.environ, "PATH": "/nowhere"}
 
 def pipeline(*arguments, **more):
     return subprocess.run([PIPELINE, *map(str, arguments)], text=True, capture_output=True, timeout=300, **more)
+
+
+def start(*arguments, **more):
+    """The same, not waited for."""
+    more = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | more
+    return subprocess.Popen([PIPELINE, *map(str, arguments)], text=True, **more)
+
+
+def wait_for(condition, run=None, seconds=60):
+    """Until the condition holds; fails when it does not in time, or before `run` has ended."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end and (run is None or run.poll() is None):
+        if condition():
+            return
+        time.sleep(0.002)
+    assert condition(), "it did not come to it"
+
+
+def digest(path):
+    with h5py.File(path) as file:
+        return file.attrs["digest"]
 
 
 def skip_without(name):

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 
 from . import labels
-from .drawing import guarded, log_seconds, shortened, time_text
+from .drawing import guarded, log_seconds, shortened
 from .figure import PALETTE, Figure, Section, figure, style, svg_of
 from ..tables import pareto
-from ..words import counted, listed, number
+from ..words import counted, duration, listed, number
 
 LEAST = 3  # settings of an algorithm that make a figure
 NAMED = 26  # settings whose names stand in the figure
@@ -79,7 +79,7 @@ def setting(knobs, base):
 def best_sentence(points, best):
     varied_ = varied(points)
     chosen = ", ".join(f"{name} = {json.dumps(points.knobs[best].get(name))}" for name in varied_).replace('"', "")
-    return f"{chosen}: error {number(points.error[best])} at {time_text(points.time_mean_ns[best])} a step"
+    return f"{chosen}: error {number(points.error[best])} at {duration(points.time_mean_ns[best])} a step"
 
 
 def exact_of(points):
@@ -107,14 +107,14 @@ def one(scene, algorithm, points, others, key):
     for row, point in points.iterrows():
         look, gid = style(point.algorithm, point.label), f"of:{point.label}"
         titles[gid] = (f"{point.label}: {setting(point.knobs, base)}; error {number(point.error)}, "
-                       f"{time_text(point.time_mean_ns)}, {number(point.false_negative)} missed")
+                       f"{duration(point.time_mean_ns)}, {number(point.false_negative)} missed")
         axes.plot([point.time_mean_ns / 1e9], [point.error], marker=look["marker"], color=look["color"],
             linestyle="none",
                   markersize=9 if row == best else 6, gid=gid, zorder=4)
     if exact is not None:
         axes.axvline(exact.time_mean_ns / 1e9, color=PALETTE["black"], linestyle=(0, (4, 2)), linewidth=1)
         axes.text(exact.time_mean_ns / 1e9, 0.02, f" {exact.label}: no "
-                                                  f"error", fontsize=9, transform=axes.get_xaxis_transform(),
+                                                  "error", fontsize=9, transform=axes.get_xaxis_transform(),
                   gid=f"halo:{exact.label}")
     log_seconds(axes, "x")
     low, high = axes.get_xlim()
@@ -130,16 +130,15 @@ def one(scene, algorithm, points, others, key):
     text = ", ".join(f"{name} {json.dumps(value)}" for name, value in base.items()).replace('"', "")
     title = f"{algorithm}: best is {best_sentence(points, best)}"
     if exact is not None:
-        title += f"; {exact.label} makes none at {time_text(exact.time_mean_ns)}"
+        title += f"; {exact.label} makes none at {duration(exact.time_mean_ns)}"
     table = pd.DataFrame({"label": points.label}
                          | {name: [str(knobs.get(name)) for knobs in points.knobs] for name in knobs}
                          | {"error": points.error, "false negatives": points.false_negative.astype("int64"),
                             "false positives": points.false_positive.astype("int64"),
                             "mean time (µs)": points.time_mean_ns / 1e3, "on the front": front})
     caption = (
-        f"{scene.title}: {counted(len(points), 'setting')} of {algorithm}; lines join settings that differ in one "
-        f"knob alone; names "
-        f"say in what a setting differs from the usual ({text}). The dashed line is the price of no error."
+        f"{scene.title}: {counted(len(points), 'setting')} of {algorithm}; lines join settings that differ in one knob "
+        f"alone; names say in what a setting differs from the usual ({text}). The dashed line is the price of no error."
     )
     return Figure(title, svg_of(fig, titles), caption, table.sort_values("error", ignore_index=True), key)
 
@@ -216,10 +215,10 @@ def matrix(scene, points, key):
             shade = colours(float(np.clip(point.error, 0, 1)))
             ink = "white" if point.error > 0.45 else "black"
             gid = f"of:{point.label}"
-            titles[gid] = f"{point.label}: error {number(point.error)}, {time_text(point.time_mean_ns)}"
+            titles[gid] = f"{point.label}: error {number(point.error)}, {duration(point.time_mean_ns)}"
             axes.add_patch(Rectangle((x, y), 1, 1, facecolor=shade, edgecolor="white", linewidth=1.5, gid=gid))
             axes.text(x + 0.5, y + 0.36, f"{point.error:.3f}", ha="center", va="center", fontsize=9, color=ink)
-            axes.text(x + 0.5, y + 0.72, time_text(point.time_mean_ns), ha="center", va="center", fontsize=8, color=ink)
+            axes.text(x + 0.5, y + 0.72, duration(point.time_mean_ns), ha="center", va="center", fontsize=8, color=ink)
             rows.append((before, method, point.label, point.error, point.time_mean_ns / 1e3, int(point.false_negative),
                          int(point.false_positive)))
     axes.set_xticks(np.arange(len(columns)) + 0.5, shortened(columns, 18).values(), rotation=30, ha="left",
@@ -252,11 +251,10 @@ def matrix(scene, points, key):
                 f"{number(quick['mean time (µs)'])} µs"
             )
     if exact is not None:
-        title += f"; {exact.label} makes no error at {time_text(exact.time_mean_ns)}"
+        title += f"; {exact.label} makes no error at {duration(exact.time_mean_ns)}"
     caption = (
         f"{scene.title}: {counted(len(pairs), 'pair')} of {counted(len(filters), 'filter')} and "
         f"{counted(len(methods), 'method')}. A cell: error (its colour, dark is worse) and mean time of a step; "
-        f"“none”: no filter. "
-        f"Methods: {listed(methods)}, each with its usual knobs."
+        f"“none”: no filter. Methods: {listed(methods)}, each with its usual knobs."
     )
     return Figure(title, svg_of(fig, titles), caption, table, key)

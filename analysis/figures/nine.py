@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 
 from .figure import Points, Section, Table
-from .drawing import time_text
+
 from ..tables import pareto
 from ..tables.clauses import KEYS
-from ..words import number
+from ..words import counted, duration, number
 
 NINE = list(KEYS.values())
 
@@ -34,14 +34,14 @@ def told(tables):
         best, safe = table.error.idxmin(), table[table.false_negative == 0]
         text = (
             f"{title}: {best} errs least of the nine, {number(table.error[best])} at "
-            f"{time_text(table.time_mean_ns[best])} a step"
+            f"{duration(table.time_mean_ns[best])} a step"
         )
         faster = table[(table.time_mean_ns < table.time_mean_ns[best]) & (table.index != best)]
         if len(faster):
             next_ = faster.error.idxmin()
             text += (
                 f"; of those that are faster {next_}, {number(table.error[next_])} at "
-                f"{time_text(table.time_mean_ns[next_])}"
+                f"{duration(table.time_mean_ns[next_])}"
             )
         if len(safe):
             exact = safe.error.idxmin()
@@ -61,8 +61,7 @@ def beside(tables):
     frame["mean place"] = places.mean(axis=1)
     frame = frame[places.notna().any(axis=1)].sort_values("mean place", kind="stable")
     caption = (
-        f"Errors over all steps and the place by error, 1 the least, in {number(len(tables))} scenes. K counts as "
-        f"published, its "
-        "answers do not depend on how they are found."
+        f"Errors over all steps and the place by error, 1 the least, in {counted(len(tables), 'scene')}. K counts as "
+        "published, its answers do not depend on how they are found."
     )
     return Table("Errors and places", frame.replace({np.nan: None}) if frame.isna().any(axis=None) else frame, caption)

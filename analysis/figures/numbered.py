@@ -16,13 +16,13 @@ from .drawing import (
     seconds,
     steps_of,
     stretch,
-    time_text,
 )
 from .figure import Figure, figure, style, svg_of
 from .steps import SEEN
 from ..tables import thresholds as t
 from ..tables.scenes import twins
 from ..tables.sentences import FIGURES as CZECH
+from ..words import duration
 
 ORDER = "GHJKLPOIU"  # of the thesis's figures
 FIRST = {"box": 5, "falling": 17}
@@ -72,7 +72,7 @@ def one(run, kind, letter, published=None):
     what = (
         f"Time for all pairs of a step, pairs reported (the grey area: pairs that truly "
         f"meet){' and bodies' if steps.grows else ''} "
-        f"over the steps; n = {len(hits)} steps, each point of {stretch(hits)}."
+        f"over the steps; n = {len(hits)} steps, {stretch(hits, 'the median or mean')}."
     )
     if timed != label:
         what += f" The time is that of {timed}, the thesis's procedure with the same answers."
@@ -88,7 +88,7 @@ def one(run, kind, letter, published=None):
 def _title(letter, label, steps, time, hits):
     low, high = np.percentile(time[steps.full], (5, 95))
     title = (
-        f"{letter} {label} takes {time_text(time.mean())} a step ({time_text(low)} to {time_text(high)} with "
+        f"{letter} {label} takes {duration(time.mean())} a step ({duration(low)} to {duration(high)} with "
         f"all bodies "
     )
     title += f"there) and reports {digits(hits.mean())} pairs"

@@ -26,10 +26,9 @@ from .drawing import (
     steps_of,
     stretch,
     stretches,
-    time_text,
 )
 from .figure import PALETTE, Figure, figure, style, svg_of
-from ..words import listed
+from ..words import duration, listed, plural
 
 THESIS = {"box": "figures 5.5 to 5.13", "falling": "figures 5.17 to 5.25"}
 TRUTH = "#DADADA"
@@ -85,7 +84,7 @@ def time_per_step(run, kind, key):
     mean, ratio = table["mean ns"][drawn], table["p95 / p5"][drawn].dropna()
     mean = mean[mean > 0]
     slow, fast = mean.idxmax(), mean.idxmin()
-    title = f"{slow} takes {time_text(mean[slow])} per step, "
+    title = f"{slow} takes {duration(mean[slow])} per step, "
     title += f"{digits(mean[slow] / mean[fast])} times as long as {fast}" if slow != fast else "the only algorithm here"
     if ratio.nunique() > 1:
         calm, lively = ratio.idxmin(), ratio.idxmax()
@@ -95,8 +94,8 @@ def time_per_step(run, kind, key):
         )
     when = " with all bodies there" if steps.grows else ""
     what = (
-        f"Time of an algorithm for all pairs of a step, preparation included; n = {len(steps.hits)} steps, each point "
-        f"the median of {stretch(steps.hits)}. Spread is over the {steps.full.sum()} steps{when}.{left_out(run)}"
+        f"Time of an algorithm for all pairs of a step, preparation included; n = {len(steps.hits)} steps, "
+        f"{stretch(steps.hits)}. Spread is over the {steps.full.sum()} steps{when}.{left_out(run)}"
     )
     return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
@@ -146,7 +145,7 @@ def hits_per_step(run, kind, key):
     table = table.join(stretches(each, np.mean).add_prefix("mean, "))
     total = total[drawn]
     if not total.sum():
-        title = f"No algorithm reports anything; {meet:.0f} pairs meet"
+        title = f"No algorithm reports anything; {meet:.0f} {plural(meet, 'pair meets', 'pairs meet')}"
     else:
         most, fewest = total.idxmax(), total.idxmin()
 
@@ -157,8 +156,8 @@ def hits_per_step(run, kind, key):
         title += "those that meet" if meet else "though none meet"
         title += f"; {fewest} the fewest, {share(fewest)}" if most != fewest else ""
     what = (
-        f"Pairs reported at a step; the grey area ends at the pairs that truly meet; n = {len(steps.hits)} steps, each "
-        f"point the mean of {stretch(steps.hits)}. The axis is linear below 1.{left_out(run, times=False)}"
+        f"Pairs reported at a step; the grey area ends at the pairs that truly meet; n = {len(steps.hits)} steps, "
+        f"{stretch(steps.hits, 'the mean')}. The axis is linear below 1.{left_out(run, times=False)}"
     )
     table = table.astype({"hits": int}).rename_axis("algorithm")
     return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, ""), times=False), table, key)
@@ -284,8 +283,8 @@ def time_against_hits(run, kind, key):
         title = f"No algorithm's time follows its hits (r below {t.FOLLOWS})"
     else:
         dear, cheap = cost.idxmax(), cost.idxmin()
-        title = f"Where time follows hits, one hit more costs {time_text(cost[cheap])} ({cheap})"
-        title += f" to {time_text(cost[dear])} ({dear})" if dear != cheap else ""
+        title = f"Where time follows hits, one hit more costs {duration(cost[cheap])} ({cheap})"
+        title += f" to {duration(cost[dear])} ({dear})" if dear != cheap else ""
     when = f" over the {steps.full.sum()} steps with all bodies there" if steps.grows else ""
     what = (
         f"A dot per step, n = {len(every)} of {len(steps.hits)}; the line is the one of least squares{when}, its slope "

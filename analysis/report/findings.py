@@ -9,10 +9,14 @@ import numpy as np
 from ..figures import extremes as extremes_figures
 from ..tables import causes as why
 from ..tables import extremes, intervals, pareto, studies, study_tables
-from ..figures.drawing import NotDrawn, places, plain, time_text
+from ..figures.drawing import NotDrawn, places, plain
 from ..figures.figure import Points, Section
-from ..figures.study import FAILED, OTHERWISE, causes, drift_words, follow_text, heads_of, steady
-from ..words import counted, listed, number, verb
+from ..figures.heat_map import heads_of
+from ..figures.study.cases import FAILED, OTHERWISE, causes
+from ..figures.study.maps import follow_text
+from ..figures.study.motion import drift_words
+from ..figures.study.precision import steady
+from ..words import counted, duration, listed, number, verb
 
 
 def section(runs):
@@ -297,11 +301,11 @@ def algorithms(run):
     even = told[told["error"] == least["error"]]
     least = even.loc[even["time_mean_ns"].idxmin()]
     text = (f"Of {len(told)} labels {least.name} errs least, {least['error']:.3g} at "
-            f"{time_text(least['time_mean_ns'])} a step; "
-            f"{quick.name} is quickest, {quick['error']:.3g} at {time_text(quick['time_mean_ns'])}.")
+            f"{duration(least['time_mean_ns'])} a step; "
+            f"{quick.name} is quickest, {quick['error']:.3g} at {duration(quick['time_mean_ns'])}.")
     if least.name == quick.name:
         text = (f"Of {len(told)} labels {least.name} errs least and is quickest: {least['error']:.3g} at "
-                f"{time_text(least['time_mean_ns'])} a step.")
+                f"{duration(least['time_mean_ns'])} a step.")
     times = {label: times for label, times in run.step_times.items() if label in told.index}
     equals = [label for label, mine in times.items() if label != quick.name
               and intervals.alike(intervals.ratio(mine, times[quick.name]), run.noise)]

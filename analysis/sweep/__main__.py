@@ -27,10 +27,10 @@ import sys
 import tempfile
 import time
 
-from ..output import open_standard_descriptors, say, visible
-from ..program import default_program
+from ..output import complain, open_standard_descriptors, say, visible
+from ..program import Refused, default_program
 from . import tables
-from .plan import Refused, points, read, refuse_if_many
+from .plan import points, read, refuse_if_many
 from .state import file_sha256, identity, read_json, state, why_again, write_json
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -187,7 +187,7 @@ class Job:
             if why:
                 self.again[point.name] = why
         self.plan = {
-            "python": f"env PYTHONPATH={shlex.quote(ABOVE)} {shlex.quote(sys.executable)}",  # as scripts/python has it
+            "python": f"env PYTHONPATH={shlex.quote(ABOVE)} {shlex.quote(sys.executable)} -P",  # as scripts/python has it
             "module": f"{PACKAGE}.sweep.point",
             "program": program,
             "folder": folder,
@@ -261,9 +261,8 @@ class Job:
         if known:
             seconds = [sum(told["seconds"][i] for told in known) for i in (0, 1)]
             size = sum(told["file_bytes"] for told in known)
-            lines[
-                -1
-            ] += f": {time_text(seconds)} of processor time in all, {size / 1e6:,.0f} MB of files in {self.folder}"
+            lines[-1] += (f": {time_text(seconds)} of processor time in all, {size / 2**20:,.0f} MiB of files in "
+                          f"{self.folder}")
         say("\n".join(lines))
         return 0
 
@@ -456,10 +455,6 @@ def span(seconds):
     if seconds < 60:
         return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
-
-
-def complain(text):
-    print(visible(" ".join(str(text).split())), file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -10,20 +10,14 @@ import re
 import tomllib
 from dataclasses import dataclass
 
+from ..program import Refused
+
 KEYS = ["title", "config", "set", "grid", "axis", "seeds", "options", "threads", "resources"]
 RESOURCES = ["memory_mb", "minutes"]
 OURS = ["-o", "--output", "--set", "--threads", "--force", "--json", "--quiet"]  # what the sweep itself says to a run
 MOST_POINTS = 1000  # more are meant only with --yes
 MOST_NAME = 180  # letters of a point's name: file systems take 255 bytes, endings are added
 PLAIN = re.compile(r"[A-Za-z0-9_.+-]+")
-
-
-class Refused(Exception):
-    """What the user wrote cannot be done; the text is the line to print, code the exit code."""
-
-    def __init__(self, text, code=3):
-        super().__init__(text)
-        self.code = code
 
 
 @dataclass(frozen=True)

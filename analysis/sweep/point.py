@@ -87,7 +87,7 @@ def run(plan, point, only=()):
             state["status"] = "running"
         write_json(base + ".json", state)
     except OSError as error:
-        print(f"{base}.json: cannot be written ({error.strerror})", file=sys.stderr)
+        print(error, file=sys.stderr)
         return 1
     return 1 if state["status"] == "stopped" else 0
 
@@ -213,7 +213,7 @@ def check(plan, group):
     try:
         write_json(group["file"], found | {"failed": failed})
     except OSError as error:
-        print(f"{group['file']}: cannot be written ({error.strerror})", file=sys.stderr)
+        print(error, file=sys.stderr)
         return 1
     return 0
 

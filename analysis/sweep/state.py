@@ -3,22 +3,15 @@
 import hashlib
 import json
 import os
-import secrets
+
+from ..files import replaced
 
 
 def write_json(path, value):
-    """Whole or not at all. Raises OSError."""
-    part = f"{path}.{secrets.token_hex(4)}.new"
-    try:
+    """Whole or not at all. Raises OSError, in a line that starts with the path."""
+    with replaced(path) as part:
         with open(part, "x", encoding="utf-8") as file:
             json.dump(value, file, indent=1, ensure_ascii=False, allow_nan=False)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(part, path)
-    except OSError:
-        if os.path.exists(part):
-            os.remove(part)
-        raise
 
 
 def read_json(path):

@@ -1,13 +1,12 @@
 """The tables of a sweep, from its manifest: sweep.csv for people, sweep.h5 for programs."""
 
-import contextlib
 import json
 import os
-import secrets
 
 import h5py
 import numpy as np
 
+from ..files import replaced
 from ..load import sweep_frame
 
 POINT = {  # column of /points -> long name
@@ -26,27 +25,11 @@ UNITS = {"wall_time_s": "s"}
 
 
 def write(folder, manifest):
-    """Both tables, each whole or not at all. Raises OSError."""
+    """Both tables, each whole or not at all. Raises OSError, in a line that starts with the path."""
     with replaced(os.path.join(folder, "sweep.csv")) as path:
         sweep_frame(manifest).to_csv(path, index=False)
     with replaced(os.path.join(folder, "sweep.h5")) as path:
         index(path, manifest)
-
-
-@contextlib.contextmanager
-def replaced(path):
-    """A path to write to; what is there becomes `path` at the end, or is removed when that fails."""
-    part = f"{path}.{secrets.token_hex(4)}.new"
-    try:
-        yield part
-        with open(part, "rb") as file:
-            os.fsync(file.fileno())
-        os.replace(part, path)
-    except OSError as error:
-        raise OSError(error.errno, f"cannot be written ({error.strerror or error})", path) from error
-    finally:
-        with contextlib.suppress(FileNotFoundError):
-            os.remove(part)
 
 
 def index(path, manifest):

@@ -2,11 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
+#include <charconv>
 #include <cstring>
-#include <map>
 #include <optional>
 
 #include "geometry/meshes/mesh_reading.hpp"
+#include "geometry/meshes/soundness.hpp"
 
 #ifdef ASSIMP_VERSION
 #include <assimp/config.h>
@@ -174,7 +176,7 @@ class Files : public Assimp::IOSystem {
   Files(std::string name, std::string_view bytes, const ReadBeside& beside)
       : name_(std::move(name)), bytes_(bytes), beside_(beside) {}
 
-  std::map<std::string, std::string> missing;  // what it is, by name
+  mutable std::vector<std::pair<std::string, std::string>> missing;  // a name, and why it cannot be read
 
   bool Exists(const char* name) const override { return name == name_ || read(name).has_value(); }
   char getOsSeparator() const override { return '/'; }
@@ -187,13 +189,36 @@ class Files : public Assimp::IOSystem {
   void Close(Assimp::IOStream* file) override { delete file; }
 
  private:
-  std::optional<std::string> read(const std::string& name) const {
-    try {
-      return beside_(name.starts_with("./") ? name.substr(2) : name);
-    } catch (const std::exception& error) {
-      const_cast<Files*>(this)->missing.emplace(name, error.what());
-      return std::nullopt;
+  /// assimp tries a name in several ways, one of them below the root: that is nowhere near the file.
+  std::optional<std::string> read(std::string name) const {
+    if (name.starts_with("./")) name.erase(0, 2);
+    if (name.starts_with('/')) return std::nullopt;
+    std::string why;
+    for (const std::string& meant : {name, decoded(name)}) {
+      try {
+        return beside_(meant);
+      } catch (const std::exception& error) {
+        if (why.empty()) why = error.what();
+      }
+      if (meant.find('%') == meant.npos) break;
     }
+    const std::pair failure{name, why};
+    if (std::ranges::find(missing, failure) == missing.end()) missing.push_back(failure);
+    return std::nullopt;
+  }
+
+  /// "%20" is a blank where a name is a URI.
+  static std::string decoded(const std::string& name) {
+    std::string out;
+    for (std::size_t i = 0; i < name.size(); ++i) {
+      unsigned char value = 0;
+      const char* first = name.data() + i + 1;
+      const bool code =
+          name[i] == '%' && i + 2 < name.size() && std::from_chars(first, first + 2, value, 16).ptr == first + 2;
+      out += code ? char(value) : name[i];
+      if (code) i += 2;
+    }
+    return out;
   }
 
   std::string name_;
@@ -260,6 +285,13 @@ Piece piece_of(const aiMesh& from) {
   return out;
 }
 
+/// Of what nothing here needs, or of files that assimp reads all the same.
+bool is_noise(const std::string& line) {
+  for (const char* of : {"material", "Material", "texture", "Texture", "Ignored file of unknown type: 3D/"})
+    if (line.find(of) != line.npos) return true;
+  return false;
+}
+
 }  // namespace
 
 NodeFile parse_nodes(std::string_view bytes, const std::string& file, const ReadBeside& beside) {
@@ -269,6 +301,7 @@ NodeFile parse_nodes(std::string_view bytes, const std::string& file, const Read
     throw MeshFileError(file +
                         ": is no kind of mesh file that is read; name a file .obj, .off, .stl or .ply, or .glb, "
                         ".gltf, .dae, .3mf or another that assimp reads");
+  refuse_unsound(bytes, file, extension);
   const std::string name = "file." + extension;
   Files* files = new Files(name, bytes, beside);
   importer.SetIOHandler(files);  // which it deletes
@@ -279,7 +312,14 @@ NodeFile parse_nodes(std::string_view bytes, const std::string& file, const Read
   const aiScene* scene = importer.ReadFile(name, 0);
   if (!scene || !scene->mRootNode) {
     std::string why = importer.GetErrorString();
-    for (const auto& [missing, error] : files->missing) why = mesh_reading::quoted(missing) + ": " + error;
+    if (why.starts_with("No suitable reader"))
+      why = "is damaged, or not what its name says: assimp finds no reader for it";
+    if (const std::size_t at = why.find(name); at != why.npos) why.replace(at, name.size(), "it");
+    for (const auto& [missing, error] : files->missing)
+      if (why.empty() || why.find(missing) != why.npos) {
+        why = mesh_reading::quoted(missing) + " " + error;
+        break;
+      }
     for (char& c : why)
       if (c >= 0 && c < ' ') c = ' ';
     throw MeshFileError(file + ": " + (why.empty() ? "cannot be read" : why));
@@ -292,14 +332,15 @@ NodeFile parse_nodes(std::string_view bytes, const std::string& file, const Read
       if (piece >= out.pieces.size())
         throw MeshFileError(file + ": node " + mesh_reading::quoted(node.name) + " has no mesh");
   // What assimp leaves out it only says: corners that are not there, for one.
-  for (const char* flaw : {"out of range", "out-of-range", "invalid ind"})
-    for (const std::string& line : complaints.lines())
+  std::vector<std::string> lines = complaints.lines();
+  std::erase_if(lines, is_noise);
+  for (const char* flaw : {"out of range", "out-of-range", "invalid ind", "vertices were dropped"})
+    for (const std::string& line : lines)
       if (line.find(flaw) != line.npos) throw MeshFileError(file + ": assimp says: " + line);
   out.said = file + ": read by assimp " ASSIMP_VERSION " in single precision";
-  if (!complaints.lines().empty())
-    out.said +=
-        "; it says: " + complaints.lines().front() +
-        (complaints.lines().size() > 1 ? " (and " + std::to_string(complaints.lines().size() - 1) + " more)" : "");
+  if (!lines.empty())
+    out.said += "; it says: " + lines.front() +
+                (lines.size() > 1 ? " (and " + std::to_string(lines.size() - 1) + " more)" : "");
   for (const auto& [missing, error] : files->missing) out.said += "; done without " + mesh_reading::quoted(missing);
   bool moves = false;
   for (unsigned i = 0; i < scene->mNumMeshes; ++i)

@@ -108,7 +108,7 @@ std::string text_of(const About& about) {
               {"threads", about.threads},
               {"setup_ns", about.setup_ns}};
   for (const auto& [key, value] : {std::pair{"operations_unit", about.operations_unit}, std::pair{"tests", about.tests},
-                                   std::pair{"licence", about.licence}})
+                                   std::pair{"licence", about.licence}, std::pair{"refuses", about.refuses}})
     if (!value.empty()) out[key] = value;
   if (about.memory_bytes >= 0) out["memory_bytes"] = about.memory_bytes;
   return out.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -120,7 +120,7 @@ About about_in(std::string_view text_said) {
   if (!hello.is_object()) throw Fault("its hello is no JSON object");
   static const std::set<std::string> known = {"protocol", "name",         "version",   "language",        "precision",
                                               "promise",  "scope",        "remembers", "operations_unit", "threads",
-                                              "setup_ns", "memory_bytes", "tests",     "licence"};
+                                              "setup_ns", "memory_bytes", "tests",     "licence",         "refuses"};
   for (const auto& [key, value] : hello.items())
     if (!known.contains(key))
       throw Fault("its hello: unknown key '" + one_line(key) + "'; " + hint(key, {known.begin(), known.end()}));
@@ -147,7 +147,12 @@ About about_in(std::string_view text_said) {
   out.threads = number(hello, "threads", 1, 1, kMostThreads);
   out.setup_ns = number(hello, "setup_ns", 0, 0, kMostNumber);
   out.memory_bytes = number(hello, "memory_bytes", -1, 0, kMostNumber);
+  out.refuses = text(hello, "refuses", "");
   return out;
+}
+
+void About::takes_them() const {
+  if (!refuses.empty()) throw Fault("it cannot take these bodies: " + refuses);
 }
 
 }  // namespace pipeline

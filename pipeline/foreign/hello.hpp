@@ -21,6 +21,10 @@ struct About {
   std::int64_t threads = 1;          // that it uses
   std::int64_t setup_ns = 0;         // of its construction for the bodies of the run
   std::int64_t memory_bytes = -1;    // that it holds; -1: it does not say
+  std::string refuses = {};          // why it cannot take these bodies; empty: it can
+
+  /// Throws Fault where it cannot.
+  void takes_them() const;
 };
 
 /// What a method is told of the run: protocol, label, bodies (name, mesh, fixed), meshes (name, vertices, triangles)

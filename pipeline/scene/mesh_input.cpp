@@ -43,17 +43,21 @@ std::string label_of(std::string name) {
 
 std::string place_of(const Section& s, const char* key) { return s.place(key) + ": '" + s.full(key) + "'"; }
 
-Input read_input(SceneConfig& config, const std::string& written, const std::string& place) {
+Input read_input(SceneConfig& config, const std::string& written) {
   const std::filesystem::path path = config.path.parent_path() / written;
   Input input{.path = one_line(path.string(), 4096), .bytes = {}};
-  try {
-    input.bytes = read_regular(AT_FDCWD, path, /*follow_links=*/true, machine_memory() / 2);
-  } catch (const FileFailure& failure) {
-    throw Error(kInput, place + " must name a file that can be read, not " + in_quotes(one_line(written)) + ": " +
-                            input.path + ": " + failure.what());
-  }
+  input.bytes = read_regular(AT_FDCWD, path, /*follow_links=*/true, machine_memory() / 2);
   config.inputs[written] = sha256(input.bytes);
   return input;
+}
+
+Input read_input(SceneConfig& config, const std::string& written, const std::string& place) {
+  try {
+    return read_input(config, written);
+  } catch (const FileFailure& failure) {
+    throw Error(kInput, place + " must name a file that can be read, not " + in_quotes(one_line(written)) + ": " +
+                            one_line((config.path.parent_path() / written).string(), 4096) + ": " + failure.what());
+  }
 }
 
 void refuse_changed(const SceneConfig& before, const SceneConfig& now) {

@@ -21,7 +21,10 @@ struct Input {
   std::string path, bytes;
 };
 
-/// Reads the file that the key at `place` names and keeps its hash. Throws Error(kInput).
+/// Reads a file and keeps its hash. Throws FileFailure.
+Input read_input(SceneConfig& config, const std::string& written);
+
+/// The same of the file that the key at `place` names. Throws Error(kInput).
 Input read_input(SceneConfig& config, const std::string& written, const std::string& place);
 
 /// Throws Error(kInput) when a file that `now` has read again differs from what `before` read.

@@ -103,8 +103,8 @@ const geometry::NodeFile& read_nodes(SceneConfig& config, const std::string& fil
                                      NodeFiles& known) {
   if (const auto found = known.find(file); found != known.end()) return found->second;
   const Input input = read_input(config, file, place);
-  const auto read_beside = [&](const std::string& name) {
-    return read_input(config, (std::filesystem::path(file).parent_path() / name).string(), place).bytes;
+  const auto path_of = [&](const std::string& name) {
+    return (std::filesystem::path(file).parent_path() / name).lexically_normal().string();
   };
   // What is wrong with the file, or that nothing is; the files beside it that were read; the nodes.
   const auto work = [&](std::size_t) {
@@ -112,7 +112,7 @@ const geometry::NodeFile& read_nodes(SceneConfig& config, const std::string& fil
     std::set<std::string> beside;
     try {
       const geometry::NodeFile nodes = geometry::parse_nodes(input.bytes, input.path, [&](const std::string& name) {
-        std::string bytes = read_beside(name);
+        std::string bytes = read_input(config, path_of(name)).bytes;
         beside.insert(name);
         return bytes;
       });
@@ -137,7 +137,7 @@ const geometry::NodeFile& read_nodes(SceneConfig& config, const std::string& fil
                 flaw = in.text();
                 if (!flaw.empty()) return;
                 for (std::size_t count = in.value<std::size_t>(); count > 0; --count)
-                  read_beside(in.text());  // inputs of ours too
+                  read_input(config, path_of(in.text()), place);  // inputs of ours too
                 known.emplace(file, take(in, input.path));
               });
   if (!flaw.empty()) throw Error(kInput, flaw);

@@ -196,6 +196,7 @@ class Reader {
       joint.limits = {0, 0};
       if (limit->Attribute("lower")) (*joint.limits)[0] = numbers<1>(*limit, "lower", 1e300)[0];
       if (limit->Attribute("upper")) (*joint.limits)[1] = numbers<1>(*limit, "upper", 1e300)[0];
+      if ((*joint.limits)[0] > (*joint.limits)[1]) fail(limit->GetLineNum(), "'lower' of <limit> is above 'upper'");
     }
     UrdfLink& below = out_.links[joint.below];
     if (below.joint != std::size_t(-1))

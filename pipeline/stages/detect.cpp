@@ -96,6 +96,7 @@ Entry set_up_foreign(const Bodies& bodies, const AlgorithmChoice& choice, std::s
   try {
     Entry entry = set_up(bodies, choice);
     adopt(entry.foreign->about(), answers);
+    entry.foreign->about().takes_them();
     entry.foreign->add_waited(waited);
     entry.foreign->at(std::uint32_t(first));
     entry.foreign->warm_up(poses, geometry::pair_runs(bodies, poses), choice.foreign->warm_up);

@@ -6,6 +6,7 @@
 
 #include "geometry/decision/contain.hpp"
 #include "geometry/decision/meet.hpp"
+#include "pipeline/foreign/foreign_method.hpp"
 #include "pipeline/result/answer_chunk.hpp"
 #include "pipeline/result/columns.hpp"
 #include "pipeline/stages/chunks.hpp"
@@ -32,8 +33,10 @@ Bodies two_of(const Bodies& all, std::uint32_t first, std::uint32_t second) {
   return out;
 }
 
+}  // namespace
+
 /// Some steps of a set as a run of their own.
-struct Stretch {
+struct ExtremesDetector::Stretch {
   Bodies bodies;
   Poses poses;
   Truth truth;
@@ -50,6 +53,15 @@ struct Stretch {
     }
   }
 };
+
+namespace {
+
+using Stretch = ExtremesDetector::Stretch;
+
+std::vector<Pose> moved(std::vector<Pose> poses, const geometry::Vec3& by) {
+  for (Pose& pose : poses) pose.t += by;
+  return poses;
+}
 
 bool reports(algorithms::Method& method, const std::vector<Pose>& poses) {
   const PairRun run{0, 1, 2};
@@ -81,69 +93,6 @@ Answers silence(const Truth& truth, std::size_t steps, bool foreign) {
   return out;
 }
 
-/// Adds what the algorithm says of the steps of `range`, all of it or nothing. Returns whether it failed, and why. One
-/// method is there at a time: of dense meshes it may fill a gigabyte.
-Failed answer(const Stretch& range, const CaseSet& set, const AlgorithmChoice& choice, std::int64_t repeats,
-              const Machine& machine, Answers& answers, ExtremeAnswers& cases) {
-  Failed failure = kRefused;
-  try {
-    ExtremeAnswers said;
-    auto method = make_method(choice, range.bodies);
-    failure = kThrew;
-    for (std::vector<Pose> poses : range.poses) {
-      for (Pose& pose : poses) pose.t += set.moved;
-      said.moved.push_back(reports(*method, poses));
-    }
-    method.reset();
-    const Bodies other_order = two_of(range.bodies, 1, 0);  // a method may keep a reference to its bodies
-    method = make_method(choice, other_order);
-    for (const auto& poses : range.poses) said.swapped.push_back(reports(*method, {poses[1], poses[0]}));
-    method.reset();
-    Progress silent("", 0, true);
-    const Answers found =
-        detect(range.bodies, range.poses, range.truth, {choice}, repeats, machine, nullptr, silent)[0];
-    if (failed(found)) throw Fault(found.foreign->reason);
-    append(found, set, answers);
-    for (std::size_t s = 0; s < range.poses.size(); ++s) cases.reported.push_back(!found.hits.at(s).empty());
-    cases.failed.resize(cases.reported.size(), kWell);
-    for (const auto column : {&ExtremeAnswers::swapped, &ExtremeAnswers::moved})
-      (cases.*column).insert((cases.*column).end(), (said.*column).begin(), (said.*column).end());
-    return kWell;
-  } catch (const OutOfMemory&) {
-    throw;
-  } catch (const std::bad_alloc&) {  // of this machine, not of the algorithm
-    throw OutOfMemory(choice, range.bodies);
-  } catch (const Error& error) {
-    if (error.code() != kInput) throw;  // Ctrl-C, a full disk
-    if (cases.reason.empty()) cases.reason = error.what();
-  } catch (const std::exception& error) {
-    if (cases.reason.empty()) cases.reason = error.what();
-  }
-  return failure;
-}
-
-void answer_all(const Stretch& range, const CaseSet& set, const AlgorithmChoice& choice, std::int64_t repeats,
-                const Machine& machine, Answers& answers, ExtremeAnswers& cases) {
-  const Failed failure = answer(range, set, choice, repeats, machine, answers, cases);
-  if (failure == kWell) return;
-  const std::size_t steps = range.poses.size();
-  if (failure == kThrew && steps > 1) {  // which step was it?
-    for (std::size_t s = 0; s < steps; ++s) {
-      Stretch one = range;
-      one.poses = {range.poses[s]};
-      one.truth.hits = one.truth.contained = {};
-      one.truth.hits.append(range.truth.hits.at(s));
-      if (range.truth.lists_contained()) one.truth.contained.append(range.truth.contained.at(s));
-      answer_all(one, set, choice, repeats, machine, answers, cases);
-    }
-    return;
-  }
-  append(silence(range.truth, steps, choice.foreign != nullptr), set, answers);
-  cases.failed.resize(cases.failed.size() + steps, failure);
-  for (const auto column : {&ExtremeAnswers::reported, &ExtremeAnswers::swapped, &ExtremeAnswers::moved})
-    (cases.*column).resize(cases.failed.size(), 0);
-}
-
 /// Some steps of one algorithm, as a chunk holds them.
 std::string bytes_of(const Answers& answers, const ExtremeAnswers& cases) {
   ChunkWriter out;
@@ -170,7 +119,135 @@ void append_cases(const ExtremeAnswers& more, ExtremeAnswers& cases) {
   if (cases.reason.empty()) cases.reason = more.reason;
 }
 
+/// What the algorithm says of the steps of a stretch: its answers, and those of the other order and of moved bodies.
+struct Said {
+  Answers answers;
+  ExtremeAnswers cases;
+};
+
+/// One method is there at a time: of dense meshes it may fill a gigabyte. `failure` is what it means if this throws.
+Said own_answer(const Stretch& range, const CaseSet& set, const AlgorithmChoice& choice, std::int64_t repeats,
+                const Machine& machine, Failed& failure) {
+  Said said;
+  auto method = make_method(choice, range.bodies);
+  failure = kThrew;
+  for (const auto& poses : range.poses) said.cases.moved.push_back(reports(*method, moved(poses, set.moved)));
+  method.reset();
+  const Bodies other_order = two_of(range.bodies, 1, 0);  // a method may keep a reference to its bodies
+  method = make_method(choice, other_order);
+  for (const auto& poses : range.poses) said.cases.swapped.push_back(reports(*method, {poses[1], poses[0]}));
+  method.reset();
+  Progress silent("", 0, true);
+  said.answers = detect(range.bodies, range.poses, range.truth, {choice}, repeats, machine, nullptr, silent)[0];
+  return said;
+}
+
+/// Answers of a detector that knows one algorithm.
+Answers answers_of(Detector& detector, const Poses& poses, const Truth& truth, const Machine& machine) {
+  Progress silent("", 0, true);
+  std::vector<Answers> all = detector.none();
+  detector.append(detector.make(0, poses, truth, machine, nullptr, silent), poses.size(), all);
+  if (failed(all[0])) throw Fault(all[0].foreign->reason);
+  return std::move(all[0]);
+}
+
 }  // namespace
+
+/// A method of others, asked about two bodies in both orders.
+struct ExtremesDetector::Foreign {
+  std::uint32_t a, b;
+  Bodies bodies, other_order = two_of(bodies, 1, 0);
+  std::vector<AlgorithmChoice> choice;
+  std::unique_ptr<algorithms::Method> swapped = make_method(choice[0], other_order);
+  Detector detector;
+
+  Foreign(const Stretch& range, const CaseSet& set, const AlgorithmChoice& asked, std::int64_t repeats)
+      : a(set.a), b(set.b), bodies(range.bodies), choice{asked}, detector(bodies, choice, repeats, /*noise=*/false) {
+    if (const auto* process = dynamic_cast<const ForeignMethod*>(swapped.get())) process->about().takes_them();
+  }
+
+  Said answer(const Stretch& range, const CaseSet& set, const Machine& machine) {
+    Said said;
+    Poses elsewhere;
+    for (const auto& poses : range.poses) elsewhere.push_back(moved(poses, set.moved));
+    const Answers there = answers_of(detector, elsewhere, range.truth, machine);
+    for (std::size_t s = 0; s < elsewhere.size(); ++s) said.cases.moved.push_back(!there.hits.at(s).empty());
+    swapped->forget();
+    for (const auto& poses : range.poses) said.cases.swapped.push_back(reports(*swapped, {poses[1], poses[0]}));
+    said.answers = answers_of(detector, range.poses, range.truth, machine);
+    return said;
+  }
+};
+
+ExtremesDetector::ExtremesDetector(const Bodies& bodies, const Poses& poses, const std::vector<CaseSet>& sets,
+                                   const std::vector<AlgorithmChoice>& choices, std::int64_t repeats)
+    : bodies_(bodies), poses_(poses), sets_(sets), choices_(choices), repeats_(repeats), foreign_(choices.size()) {}
+
+ExtremesDetector::~ExtremesDetector() = default;
+
+std::vector<Answers> ExtremesDetector::none() const {
+  return Detector(bodies_, choices_, repeats_, /*noise=*/false).none();
+}
+
+/// Adds what a choice says of the steps of `range`, all of it or nothing. Returns whether it failed, and why.
+std::uint8_t ExtremesDetector::answer(const Stretch& range, const CaseSet& set, std::size_t c, const Machine& machine,
+                                      Answers& answers, ExtremeAnswers& cases) {
+  const AlgorithmChoice& choice = choices_[c];
+  std::unique_ptr<Foreign>& foreign = foreign_[c];
+  Failed failure = kRefused;
+  try {
+    Said said;
+    if (choice.foreign) {
+      if (!foreign || foreign->a != set.a || foreign->b != set.b) {
+        foreign.reset();  // two of its processes at a time
+        foreign = std::make_unique<Foreign>(range, set, choice, repeats_);
+      }
+      failure = kThrew;
+      said = foreign->answer(range, set, machine);
+    } else {
+      said = own_answer(range, set, choice, repeats_, machine, failure);
+    }
+    for (std::size_t s = 0; s < range.poses.size(); ++s) cases.reported.push_back(!said.answers.hits.at(s).empty());
+    append(std::move(said.answers), set, answers);
+    cases.failed.resize(cases.reported.size(), kWell);
+    for (const auto column : {&ExtremeAnswers::swapped, &ExtremeAnswers::moved})
+      (cases.*column).insert((cases.*column).end(), (said.cases.*column).begin(), (said.cases.*column).end());
+    return kWell;
+  } catch (const OutOfMemory&) {
+    throw;
+  } catch (const std::bad_alloc&) {  // of this machine, not of the algorithm
+    throw OutOfMemory(choice, range.bodies);
+  } catch (const Error& error) {
+    if (error.code() != kInput) throw;  // Ctrl-C, a full disk
+    if (cases.reason.empty()) cases.reason = error.what();
+  } catch (const std::exception& error) {
+    if (cases.reason.empty()) cases.reason = error.what();
+  }
+  foreign.reset();  // it may have ended
+  return failure;
+}
+
+void ExtremesDetector::answer_all(const Stretch& range, const CaseSet& set, std::size_t c, const Machine& machine,
+                                  Answers& answers, ExtremeAnswers& cases) {
+  const std::uint8_t failure = answer(range, set, c, machine, answers, cases);
+  if (failure == kWell) return;
+  const std::size_t steps = range.poses.size();
+  if (failure == kThrew && steps > 1) {  // which step was it?
+    for (std::size_t s = 0; s < steps; ++s) {
+      Stretch one = range;
+      one.poses = {range.poses[s]};
+      one.truth.hits = one.truth.contained = {};
+      one.truth.hits.append(range.truth.hits.at(s));
+      if (range.truth.lists_contained()) one.truth.contained.append(range.truth.contained.at(s));
+      answer_all(one, set, c, machine, answers, cases);
+    }
+    return;
+  }
+  append(silence(range.truth, steps, choices_[c].foreign != nullptr), set, answers);
+  cases.failed.resize(cases.failed.size() + steps, failure);
+  for (const auto column : {&ExtremeAnswers::reported, &ExtremeAnswers::swapped, &ExtremeAnswers::moved})
+    (cases.*column).resize(cases.failed.size(), 0);
+}
 
 std::vector<ExtremeCase> extreme_rows(const Bodies& bodies, const Poses& poses, const Truth& truth,
                                       const std::vector<CaseSet>& sets, std::vector<ExtremeCase> cases,
@@ -206,24 +283,22 @@ std::vector<ExtremeCase> extreme_rows(const Bodies& bodies, const Poses& poses, 
   return cases;
 }
 
-std::string make_extremes(const Bodies& bodies, const Poses& poses, const Truth& truth,
-                          const std::vector<CaseSet>& sets, const std::vector<AlgorithmChoice>& choices,
-                          std::int64_t repeats, const Machine& machine, std::int64_t first, std::int64_t last,
-                          Progress& progress) {
-  std::vector<Answers> answers(choices.size());
-  std::vector<ExtremeAnswers> cases(choices.size());
-  for (const CaseSet& set : sets) {
+std::string ExtremesDetector::make(const Truth& truth, std::int64_t first, std::int64_t last, const Machine& machine,
+                                   Progress& progress) {
+  std::vector<Answers> answers(choices_.size());
+  std::vector<ExtremeAnswers> cases(choices_.size());
+  for (const CaseSet& set : sets_) {
     const std::int64_t from = std::max(first, set.first_step), to = std::min(last, set.first_step + set.steps);
     if (from >= to) continue;
-    const Stretch stretch(bodies, poses, truth, set, from, to);
-    for (std::size_t c = 0; c < choices.size(); ++c) {
+    const Stretch stretch(bodies_, poses_, truth, set, from, to);
+    for (std::size_t c = 0; c < choices_.size(); ++c) {
       stop_if_wanted();
-      answer_all(stretch, set, choices[c], repeats, machine, answers[c], cases[c]);
+      answer_all(stretch, set, c, machine, answers[c], cases[c]);
     }
     progress.add(std::uint64_t(to - from));
   }
   ChunkWriter out;
-  for (std::size_t c = 0; c < choices.size(); ++c) out.put(bytes_of(answers[c], cases[c]));
+  for (std::size_t c = 0; c < choices_.size(); ++c) out.put(bytes_of(answers[c], cases[c]));
   put_machine(machine, out);
   return std::move(out.bytes);
 }
@@ -233,13 +308,13 @@ ExtremesDetected detect_extremes(const Bodies& bodies, const Poses& poses, const
                                  std::int64_t repeats, const Machine& machine, const Checkpoint* part,
                                  Progress& progress) {
   ExtremesDetected all;
-  all.answers = Detector(bodies, choices, repeats, /*noise=*/false).none();
+  ExtremesDetector detector(bodies, poses, sets, choices, repeats);
+  all.answers = detector.none();
   for (Answers& answers : all.answers) answers.machine = machine;
   all.cases.resize(choices.size());
   const auto steps = std::int64_t(poses.size());
   ChunkStage stage{.name = "answers", .steps = steps, .make = [&](ChunkSteps at) {
-                     return make_extremes(bodies, poses, truth, sets, choices, repeats, machine, at.first, at.last,
-                                          progress);
+                     return detector.make(truth, at.first, at.last, machine, progress);
                    }};
   const std::vector<std::string> chunks = all_chunks(std::move(stage), part, progress);
   for (std::size_t chunk = 0; chunk < chunks.size(); ++chunk) {

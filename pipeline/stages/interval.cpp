@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <vector>
 
 #include "geometry/random.hpp"
@@ -12,6 +13,11 @@ namespace {
 
 constexpr std::size_t kResamples = 1999;         // 1900 of them make the quantile exactly
 constexpr std::uint64_t kSeed = 0x9d5c0fb3a1e6;  // any
+
+/// Of Student's t with kLeastBlocks - 1, ... kBootstrapBlocks - 2 degrees of freedom, the 97.5 % quantile.
+constexpr double kStudent[] = {2.776445105198, 2.570581835636, 2.446911851145, 2.364624251593,
+                               2.306004135204, 2.262157162798, 2.228138851986};
+static_assert(std::size(kStudent) == kBootstrapBlocks - kLeastBlocks);
 
 /// Sums over blocks: floor(steps / length) of them, the last with what is left over.
 std::vector<double> block_sums(std::span<const std::int64_t> values) {
@@ -43,16 +49,10 @@ Estimate estimate(const std::vector<double>& a, const std::vector<double>& b, co
   return {std::log(sum_a / sum_b), std::sqrt(squares / (double(k) * double(k - 1)))};
 }
 
-Interval interval(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum_a = 0, sum_b = 0;
-  for (const double sum : a) sum_a += sum;
-  for (const double sum : b) sum_b += sum;
-  Interval out{sum_a / sum_b};
+/// q of (1).
+double quantile(const std::vector<double>& a, const std::vector<double>& b, const Estimate& all) {
   const std::size_t k = a.size();
-  const auto nothing = [](double sum) { return !(sum > 0); };
-  if (k < kLeastBlocks || std::ranges::any_of(a, nothing) || std::ranges::any_of(b, nothing)) return out;
-  const Estimate all = estimate(a, b, [](std::size_t j) { return j; });
-
+  if (k < kBootstrapBlocks) return kStudent[k - kLeastBlocks];
   geometry::Random random(kSeed);
   std::vector<std::size_t> drawn(k);
   std::vector<double> deviations;
@@ -64,7 +64,18 @@ Interval interval(const std::vector<double>& a, const std::vector<double>& b) {
   }
   constexpr std::size_t kQuantile = (kResamples + 1) * 95 / 100 - 1;
   std::ranges::nth_element(deviations, deviations.begin() + kQuantile);
-  const double half = all.error == 0 ? 0 : deviations[kQuantile] * all.error;
+  return deviations[kQuantile];
+}
+
+Interval interval(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum_a = 0, sum_b = 0;
+  for (const double sum : a) sum_a += sum;
+  for (const double sum : b) sum_b += sum;
+  Interval out{sum_a / sum_b};
+  const auto nothing = [](double sum) { return !(sum > 0); };
+  if (a.size() < kLeastBlocks || std::ranges::any_of(a, nothing) || std::ranges::any_of(b, nothing)) return out;
+  const Estimate all = estimate(a, b, [](std::size_t j) { return j; });
+  const double half = all.error == 0 ? 0 : quantile(a, b, all) * all.error;
   out.low = out.value * std::exp(-half);
   out.high = out.value * std::exp(half);
   return out;

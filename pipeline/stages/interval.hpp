@@ -9,7 +9,10 @@
 //     theta = log(A / B),   u_j = k (a_j / A - b_j / B),   s^2 = sum u_j^2 / (k (k - 1))                          (1)
 //
 // for sums a_j, b_j of block j of k, A and B of all; resamples of k blocks give theta* and s*; the interval is
-// theta -+ q s, q being the 95 % quantile of |theta* - theta| / s*. tests/interval_trials.py has the trials.
+// theta -+ q s, q being the 95 % quantile of |theta* - theta| / s*. With fewer than kBootstrapBlocks blocks many
+// resamples have two or three different ones and next to no s*: q can be any number (3,000 was seen). There q is
+// Student's, of k - 1 degrees of freedom, as of batch means (Law 2015, section 9.5.3). tests/interval_trials.py has the
+// trials.
 //
 // analysis/tables/intervals.py computes the same from the same draws.
 #pragma once
@@ -20,8 +23,10 @@
 namespace pipeline {
 
 constexpr std::size_t kBlockSteps = 50;
-/// With fewer blocks the quantile of (1) does not exist or is wild.
+/// With fewer blocks there is no interval.
 constexpr std::size_t kLeastBlocks = 5;
+/// With fewer blocks the quantile of (1) is wild.
+constexpr std::size_t kBootstrapBlocks = 12;
 /// Longer runs have longer blocks.
 constexpr std::size_t kMostBlocks = 1000;
 

@@ -3,6 +3,7 @@
 import interval_trials
 import numpy as np
 import pytest
+from scipy import stats
 
 from analysis.tables import intervals
 from analysis.tables.intervals import Interval
@@ -15,6 +16,20 @@ def test_the_interval_holds_a_known_ratio_in_19_of_20_trials(factor):
     # 300 trials of 95 to 96 % give 285 to 288 +- 3.8; plain percentiles of 12 blocks hold it in 89 %, 267.
     share, _ = interval_trials.coverage(300, 600, factor, SEED)
     assert 0.92 <= share <= 0.985, f"seed {SEED}"
+
+
+def test_few_blocks_hold_it_as_often_and_are_never_wild():
+    # 250 steps are five blocks: the bootstrap's interval was up to ten times as wide as its ratio.
+    made = zip(*interval_trials.times(np.random.default_rng(SEED), 300, 250, 0.5))
+    found = [intervals.ratio(one, other) for one, other in made]
+    assert 0.90 <= np.mean([one.holds(interval_trials.RATIO) for one in found]) <= 0.985, f"seed {SEED}"
+    assert max(one.high / one.low for one in found) < 1.25, f"seed {SEED}"
+
+
+def test_quantiles_are_students():
+    assert len(intervals.STUDENT) == intervals.BOOTSTRAP_BLOCKS - intervals.LEAST_BLOCKS
+    freedom = np.arange(intervals.LEAST_BLOCKS - 1, intervals.BOOTSTRAP_BLOCKS - 1)
+    np.testing.assert_allclose(stats.t.cdf(intervals.STUDENT, freedom), 0.975, rtol=1e-12)
 
 
 def test_plain_percentiles_would_not():

@@ -1,11 +1,13 @@
 """The report: what its figures say is so, its page stands alone, and of odd results it says what is odd."""
 
+import dataclasses
 import os
 import re
 import shutil
 import subprocess
 import sys
 import xml.dom.minidom
+from types import SimpleNamespace
 
 import matplotlib.image
 import matplotlib.pyplot as plt
@@ -16,7 +18,8 @@ from editing import edited
 from browser import browsing, open_page
 from conftest import ROOT, SCENES
 
-from analysis.figures import error as plots_error, labels, thesis as thesis_figures
+from analysis.figures import labels, thesis as thesis_figures
+from analysis.figures.error import against, costs, kinds
 from analysis.tables import pareto
 from analysis.tables.intervals import Interval
 from analysis.report import report as report_module
@@ -25,6 +28,7 @@ from analysis.figures.figure import PALETTE, Figure, Section, Table, figure, sty
 from analysis.load import load
 from analysis.report.page import page, shown
 from analysis.report.report import report
+from analysis.words import memory
 
 
 @pytest.fixture(scope="module")
@@ -245,9 +249,7 @@ def test_sweeps_join_labels_that_differ_in_one_number():
     ]
     points = pd.DataFrame({"algorithm": ["f", "f", "f", "f", "g"], "knobs": knobs, "cost": [4, 1, 2, 3, 0]})
     assert pareto.sweeps(points) == [("f", "stride", [0, 2, 1])]
-    assert pareto.relatives(points, "cost") == []
     points.loc[4, "algorithm"] = "f"
-    assert pareto.relatives(points, "cost") == [("f", [4, 3])]
 
 
 def closest(point, line):
@@ -297,7 +299,7 @@ def test_names_of_two_files_side_by_side_are_tied_to_their_own_marks():
         for i, name in enumerate(names) for n, file in enumerate("AB")
     ]
     points = pd.DataFrame(rows)
-    fig, _, nameless = plots_error._draw(points, "time_mean_ns")
+    fig, _, nameless = against._draw(points, "time_mean_ns")
     main = fig.axes[0]
     to_pixels = fig.transFigure.transform
     marks = main.transData.transform(points[["time_mean_ns", "error"]].to_numpy())
@@ -344,7 +346,7 @@ def points(rows):
     ([], "No algorithm has a cost that could be drawn"),
 ])
 def test_the_title_says_what_the_figure_shows(rows, words):
-    assert plots_error.finding(points(rows), "time_mean_ns") == words
+    assert against.finding(points(rows), "time_mean_ns") == words
 
 
 # ---- figures of results
@@ -352,7 +354,7 @@ def test_the_title_says_what_the_figure_shows(rows, words):
 
 def figures(runs):
     found = pareto.scenes(runs)
-    return [plots_error.against(scene, scene.points, cost, "k") for scene in found for cost in plots_error.COSTS]
+    return [against.against(scene, scene.points, cost, "k") for scene in found for cost in against.COSTS]
 
 
 @pytest.mark.parametrize("config", SCENES, ids=lambda path: path.stem)
@@ -360,7 +362,7 @@ def test_every_configuration_gives_figures_with_all_its_labels(small_file, confi
     """Of others with how they were asked. What costs nothing has no place on a logarithmic axis, and is named."""
     run = load(small_file(config))
     names = {label: label + pareto.how_asked(run.meta["answers"][label]) for label in run.meta["algorithms"]}
-    for cost, drawn in zip(plots_error.COSTS, figures([run])):
+    for cost, drawn in zip(against.COSTS, figures([run])):
         free = {names[label] for label, row in run.summary.iterrows() if not row[cost] > 0}
         assert sorted(drawn.table.label) == sorted(set(names.values()) - free)
         for name in names.values():
@@ -380,11 +382,11 @@ def test_few_labels_are_all_named_beside_their_marks(result_file):
 
 def test_long_labels_leave_room_to_the_bars_and_none_is_an_axis_of_its_own_size(result_file, monkeypatch):
     drawn = []
-    monkeypatch.setattr(plots_error, "svg_of", lambda fig, titles=None: drawn.append(fig) or "")
+    monkeypatch.setattr(kinds, "svg_of", lambda fig, titles=None: drawn.append(fig) or "")
     scene, = pareto.scenes([load(result_file)])
     scene.points["label"] += "-with-a-name-of-sixty-four-characters-as-the-configuration-allows"
     scene.points["false_negative"] = 0
-    plots_error.kinds(scene, "k")
+    kinds.kinds(scene, "k")
     drawn[0].draw_without_rendering()
     for axes in drawn[0].axes:
         assert axes.get_window_extent().width > 120  # of 432
@@ -469,6 +471,27 @@ def test_the_lead_counts_a_test_once_in_however_many_scenes(result_file, small_f
     tests = {(answers["name"], answers["knobs"]) for run in runs for answers in run.meta["answers"].values()}
     assert report_module.lead(runs, pareto.scenes(runs))[0].startswith(f"How often {len(tests)} collision tests")
     assert len(tests) < sum(len(run.meta["algorithms"]) for run in runs)
+
+
+def test_a_file_that_stands_beside_another_for_its_times_is_no_scene_more(monkeypatch):
+    whole, beside = SimpleNamespace(), SimpleNamespace()
+    monkeypatch.setattr(report_module.scenes, "companions", lambda runs: {"falling": beside})
+    found = [SimpleNamespace(runs=[whole]), SimpleNamespace(runs=[beside]), SimpleNamespace(runs=[whole, beside])]
+    assert report_module.own_scenes([whole, beside], found) == [found[0], found[2]]
+
+
+def test_what_is_to_be_minded_of_several_files_is_said_once(result_file):
+    runs = [dataclasses.replace(load(result_file), path=f"{name}.h5") for name in ("one", "two")]
+    for run in runs:
+        run.meta["git_commit"] = "0123456789-dirty"
+    told = report_module.warnings(runs, [])
+    assert "one and two: made by a program whose sources differ from commit 0123456." in told
+    assert len(told) == len(set(told))
+
+
+def test_of_other_scenes_than_the_thesiss_no_verdicts_stand_there(small_file):
+    run = load(small_file(ROOT / "configs" / "cup.toml"))
+    assert report_module.verdict_sections([run], []) == []
 
 
 def test_zero_hits_are_said(pipeline, tmp_path):
@@ -589,20 +612,20 @@ def timed_points(*rows):
 
 def test_the_title_says_as_fast_as_where_no_difference_can_be_told():
     drawn = timed_points(("a", 0.5, 1000, 0.1), ("b", 0.4, 1001, 0.1), ("c", 0.2, 3000, 0.1), ("d", 0.9, 1002, 0.1))
-    title = plots_error.finding(drawn, "time_mean_ns")
+    title = against.finding(drawn, "time_mean_ns")
     assert title == ("c errs least, 0.2, at 3 µs; nothing faster errs less than 0.4 (b, 1 µs); the fastest, a at 1 µs,"
                      " errs 0.5; b and d are as fast as a")
 
 
 def test_what_is_as_fast_is_not_called_faster():
     drawn = timed_points(("a", 0.5, 1000, 0.1), ("b", 0.2, 1001, 0.1))
-    title = plots_error.finding(drawn, "time_mean_ns")
+    title = against.finding(drawn, "time_mean_ns")
     assert title == ("b errs least, 0.2, at 1 µs and is as fast as a, 1 µs, which errs 0.5: "
                      "no other is worth its cost here")
     drawn = timed_points(("a", 0.5, 1000, 0.01), ("b", 0.2, 1020, 0.01))
-    assert "nothing faster errs less than 0.5 (a, 1 µs)" in plots_error.finding(drawn, "time_mean_ns")
+    assert "nothing faster errs less than 0.5 (a, 1 µs)" in against.finding(drawn, "time_mean_ns")
     drawn["floor"] = [Interval(1.0, 0.97, 1.01)] * 2
-    assert "as fast as a" in plots_error.finding(drawn, "time_mean_ns")
+    assert "as fast as a" in against.finding(drawn, "time_mean_ns")
 
 
 def test_times_of_other_machines_are_never_as_fast():
@@ -612,7 +635,7 @@ def test_times_of_other_machines_are_never_as_fast():
 
 def test_set_up_and_memory_have_a_figure_beside_and_labels_of_which_nothing_is_known_are_said(result_file, copy):
     scene, = pareto.scenes([load(result_file)])
-    drawn = plots_error.costs(scene, scene.points, "k")
+    drawn = costs.costs(scene, scene.points, "k")
     assert list(drawn.table.label) == list(scene.points.sort_values(["time_mean_ns", "error"]).label)
     setup = scene.points.set_index("label").setup_ns[drawn.table.label]
     np.testing.assert_allclose(drawn.table["set-up (µs)"] * 1e3, setup)
@@ -620,14 +643,14 @@ def test_set_up_and_memory_have_a_figure_beside_and_labels_of_which_nothing_is_k
     assert f"{greatest} takes most memory" in drawn.title or f"{greatest} takes longest to set up" in drawn.title
     assert all(label in drawn.svg for label in scene.points.label)
     unknown = scene.points.assign(memory_bytes=scene.points.memory_bytes.mask(scene.points.label == "obb_sat"))
-    assert "Nothing is known of the memory of obb_sat." in plots_error.costs(scene, unknown, "k").caption
-    assert plots_error.costs(scene, scene.points.drop(columns="setup_ns"), "k") is None
+    assert "Nothing is known of the memory of obb_sat." in costs.costs(scene, unknown, "k").caption
+    assert costs.costs(scene, scene.points.drop(columns="setup_ns"), "k") is None
 
 
 def test_ticks_of_memory_are_round_in_its_own_units():
-    ticks = [plots_error.memory(tick) for tick in plots_error._binary((5e3, 2e7))]
+    ticks = [memory(tick) for tick in costs._binary((5e3, 2e7))]
     assert ticks == ["10 KiB", "100 KiB", "1 MiB", "10 MiB"]
-    assert len(plots_error._binary((15, 20))) == 1
+    assert len(costs._binary((15, 20))) == 1
 
 
 def test_intervals_are_bars_that_the_axis_holds(result_file, monkeypatch):
@@ -635,7 +658,7 @@ def test_intervals_are_bars_that_the_axis_holds(result_file, monkeypatch):
     mean = scene.points.time_mean_ns
     points = scene.points.assign(time_mean_low_ns=mean / 3, time_mean_high_ns=mean * 3)
     points["front"] = True
-    fig, titles, _ = plots_error._draw(points.reset_index(drop=True), "time_mean_ns")
+    fig, titles, _ = against._draw(points.reset_index(drop=True), "time_mean_ns")
     low, high = fig.axes[0].get_xlim()
     assert low < points.time_mean_low_ns.min() and points.time_mean_high_ns.max() < high
     bars = [line.get_xdata() for axes in fig.axes[:2] for line in axes.lines if len(line.get_xdata()) == 2]

@@ -9,7 +9,9 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
-from analysis.figures import error as plots_error, extremes as extremes_figures, study as study_figures
+from analysis.figures import extremes as extremes_figures
+from analysis.figures.error import kinds
+from analysis.figures.study import maps, motion, precision, sections
 from analysis.report import findings, report
 from analysis.tables import extremes, studies, study_tables
 from analysis.figures.figure import PALETTE, Figure, Table
@@ -76,9 +78,9 @@ def test_sweeps_are_told_apart_by_what_varies_in_them():
     rows = [case(MERSON, "s", stiffness=value) for value in (1e3, 1e4)]
     rows += [case(MERSON, "p", "pendulum", accuracy=10.0**-k, error=10.0**-k) for k in range(1, 5)]
     rows += [case(MERSON, "far", offset=value) for value in (0.0, 1e7)]
-    maps, precision, rest = study_tables.parts(pd.DataFrame(rows))
-    assert [name for name, _ in maps] == ["s"]
-    assert [(name, len(mine)) for name, mine in precision] == [("pendulum", 4)]
+    over, worked, rest = study_tables.parts(pd.DataFrame(rows))
+    assert [name for name, _ in over] == ["s"]
+    assert [(name, len(mine)) for name, mine in worked] == [("pendulum", 4)]
     assert list(rest["sweep"]) == ["far", "far"]
 
 
@@ -108,7 +110,7 @@ def test_a_fixed_step_that_costs_least_is_called_one_and_drawn():
                                  force_evaluations=cost)])
 
     def hollow(run):
-        return study_figures.precision_figure(run, "force_evaluations", "key").svg.count("stroke: #0072b2; "
+        return precision.precision_figure(run, "force_evaluations", "key").svg.count("stroke: #0072b2; "
                                                                                          "stroke-width: 1.3")
 
     cheap, dear = run(250), run(900)
@@ -123,7 +125,7 @@ def test_cases_that_have_no_cost_are_counted_apart_from_the_crosses():
     rows = [case(MERSON, "p", "pendulum", accuracy=10.0**-k, error=10.0**-k) for k in range(1, 4)]
     rows += [case(MERSON, "p", "pendulum", accuracy=10.0**-k, status="evaluations", force_evaluations=cost)
              for k, cost in ((4, 9000), (5, 0))]
-    caption = study_figures.precision_figure(made(rows), "force_evaluations", "key").caption
+    caption = precision.precision_figure(made(rows), "force_evaluations", "key").caption
     assert "did not finish (1; 1 more ended before their first step)" in caption
 
 
@@ -206,15 +208,15 @@ def test_an_order_that_falls_short_is_said_and_one_that_is_on_no_line_is_left_ou
     assert (f"{MERSON} converges with order 2.00 to 4.00 on 2 problems; nominal is 4, which it falls short "
             "of on bounce.") in told
     assert f"{MERSON} converges with order 4.00 on 1 problem; nominal is 4." in said(made(run(full, "pendulum")))
-    figure = study_figures.order_figure(made(run(full, "pendulum") + run(short, "bounce") + run(erratic, "top")), "key")
+    figure = precision.order_figure(made(run(full, "pendulum") + run(short, "bounce") + run(erratic, "top")), "key")
     assert figure.title == (f"1 of 2 fitted orders are within 0.3 of the nominal ones; farthest is {MERSON} on "
                             "bounce, 2.00 for 4")
-    rows = study_figures.orders_table(made(run(full, "pendulum") + run(erratic, "top"))).frame
+    rows = precision.orders_table(made(run(full, "pendulum") + run(erratic, "top"))).frame
     assert rows["pendulum"].iloc[0] == "4.00 ± 0.00" and rows["top"].iloc[0].startswith("erratic (")
 
 
 def test_a_failure_is_a_letter_in_the_map_and_a_row_of_its_numbers():
-    figure = study_figures.map_figure(stiff(**{f"{EULER}_1e+09": {"status": "tunnelled"}}), "over_stiffness", "key")
+    figure = maps.map_figure(stiff(**{f"{EULER}_1e+09": {"status": "tunnelled"}}), "over_stiffness", "key")
     assert ">W<" in figure.svg and "went through the plate" in figure.svg
     assert list(figure.table["status"]).count("tunnelled") == 1
     assert "ExplicitEuler does not finish everywhere" in figure.title
@@ -225,7 +227,7 @@ def test_a_failure_is_a_letter_in_the_map_and_a_row_of_its_numbers():
     (0.1002, "+10.02"), (0.0997, "+10"), (1.004, "+100.4"), (np.inf, "∞"), (np.nan, "–"),
 ])
 def test_shares_of_energy_are_shown_in_percent_and_few_characters(value, text):
-    assert study_figures.percent(value) == text
+    assert maps.percent(value) == text
 
 
 def test_the_greatest_step_that_stops_a_ball_is_said_or_that_there_is_none():
@@ -256,7 +258,7 @@ def test_who_takes_a_fixed_step_is_not_said_to_take_the_greatest_allowed():
             "SemiExplicitEuler (its step is 0.001 s)") in told
     assert ("greatest step 0.01\u00a0s): goes wrong with 1 of 2 integrators: went through the plate with "
             "SemiExplicitEuler.") in told
-    caption = study_figures.extremes_figure(run, "key").caption
+    caption = motion.extremes_figure(run, "key").caption
     assert "SemiExplicitEuler takes its own step of 0.001 s" in caption and "RungeKuttaMerson takes" not in caption
 
 
@@ -276,7 +278,7 @@ def test_an_empty_study_and_one_where_all_fails_are_reported():
         page = report.report([run])
         assert "Traceback" not in page and "Findings" in page
     assert "4 of 4 cases did not finish" in page
-    assert study_figures.precision_figure(made(rows), "time_s",
+    assert precision.precision_figure(made(rows), "time_s",
                                           "key") == "Error against cost: not drawn, no case of pendulum has an error."
 
 
@@ -376,11 +378,11 @@ def test_misses_and_false_positives_have_one_colour_each_in_all_figures(monkeypa
                            "false_positive": [3]})
     for missed, invented in ((1, 0), (0, 1)):
         wrong = answered(lambda label, name, meets: meets and not missed or bool(invented))
-        kinds = points.assign(false_negative=3 * missed, false_positive=3 * invented)
-        scene_ = SimpleNamespace(points=kinds, title="t", runs=[made(truth_hits=np.array([6]))])
+        shown = points.assign(false_negative=3 * missed, false_positive=3 * invented)
+        scene_ = SimpleNamespace(points=shown, title="t", runs=[made(truth_hits=np.array([6]))])
         colour = PALETTE["vermilion" if missed else "blue"]  # as false negatives and false positives in the viewer
         assert bars(extremes_figures, lambda: extremes_figures.gap_figure(wrong, "key")) == {colour}
-        assert bars(plots_error, lambda: plots_error.kinds(scene_, "key")) == {colour}
+        assert bars(kinds, lambda: kinds.kinds(scene_, "key")) == {colour}
 
 
 def test_labels_that_look_alike_when_shortened_keep_their_own_numbers():
@@ -512,8 +514,8 @@ def test_every_part_of_a_study_and_of_extremes_is_drawn():
     rows += [case(MERSON, "p", "pendulum", accuracy=np.nan, fixed_step=10.0**-k, error=10.0 ** (-4 * k + 2))
              for k in range(1, 4)]
     rows += [case(EULER, "far", offset=value, status="exception") for value in (0.0, 1e7)]
-    sections = [*study_figures.sections([made(rows)]), *extremes_figures.sections([answered()])]
-    parts = [part for section in sections for part in section.parts]
+    found = [*sections.sections([made(rows)]), *extremes_figures.sections([answered()])]
+    parts = [part for section in found for part in section.parts]
     assert not [part for part in parts if isinstance(part, str) and "not drawn" in part]
     assert sum(isinstance(part, Figure) for part in parts) == 10
     assert sum(isinstance(part, Table) for part in parts) == 3

@@ -6,21 +6,18 @@ import resource
 import shutil
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from editing import edited
-from program import DONE, FAILED, FILE, INPUT, INTERRUPTED, NO_PROGRAMS, PIPELINE, ROOT, USAGE, one_line, pipeline
+from program import (
+    DONE, FAILED, FILE, INPUT, INTERRUPTED, NO_PROGRAMS, PIPELINE, ROOT,
+    USAGE, digest, one_line, pipeline, start, wait_for,
+)
 
 SMOKE = str(ROOT / "configs" / "smoke.toml")
-
-
-def digest(path):
-    with h5py.File(path) as file:
-        return file.attrs["digest"]
 
 
 @pytest.fixture(scope="module")
@@ -179,19 +176,6 @@ def test_detect_refuses_wrong_algorithms(smoke, argument, words):
 # ---- a run is never lost
 
 
-def start(*arguments):
-    return subprocess.Popen([PIPELINE, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
-
-def wait_for(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if condition():
-            return True
-        time.sleep(0.002)
-    return False
-
-
 # Longer than smoke, so that there is time to be killed in: eight chunks of 50 steps in each stage.
 LONG = ["--set", "steps=400", "--set", "timing.repeats=5"]
 
@@ -209,7 +193,7 @@ def test_a_killed_run_resumes_and_ends_with_the_same_digest(tmp_path, long_diges
     path = tmp_path / "x.h5"
     part = tmp_path / "x.h5.part"
     run = start("run", SMOKE, "-o", path, *LONG)
-    assert wait_for(lambda: (part / chunk).exists() or run.poll() is not None)
+    wait_for(lambda: (part / chunk).exists() or run.poll() is not None)
     run.send_signal(kill)
     run.communicate(timeout=60)
     if run.returncode != DONE:  # it may have been quicker than the signal
@@ -246,7 +230,7 @@ def test_a_run_killed_again_and_again_ends_with_the_same_digest(tmp_path, long_d
 def test_a_second_writer_is_refused(tmp_path):
     path = tmp_path / "x.h5"
     first = start("run", SMOKE, "-o", path, "--set", "steps=2000")
-    assert wait_for(lambda: (tmp_path / "x.h5.part" / "manifest.json").exists())
+    wait_for(lambda: (tmp_path / "x.h5.part" / "manifest.json").exists())
     second = pipeline("run", SMOKE, "-o", path, "--set", "steps=2000")
     assert second.returncode == FILE and "another run" in one_line(second)
     first.kill()
@@ -256,7 +240,7 @@ def test_a_second_writer_is_refused(tmp_path):
 def test_a_part_of_another_configuration_is_refused_unless_forced(tmp_path):
     path = tmp_path / "x.h5"
     first = start("run", SMOKE, "-o", path, "--set", "steps=2000")
-    assert wait_for(lambda: (tmp_path / "x.h5.part" / "motion-0000000").exists())
+    wait_for(lambda: (tmp_path / "x.h5.part" / "motion-0000000").exists())
     first.kill()
     first.communicate()
     other = pipeline("run", SMOKE, "-o", path, "--set", "steps=10")
@@ -268,7 +252,7 @@ def test_a_damaged_chunk_is_computed_again(tmp_path, long_digest):
     path = tmp_path / "x.h5"
     part = tmp_path / "x.h5.part"
     run = start("run", SMOKE, "-o", path, *LONG)
-    assert wait_for(lambda: (part / "truth-0000100").exists())
+    wait_for(lambda: (part / "truth-0000100").exists())
     run.kill()
     run.communicate()
     with open(part / "truth-0000100", "r+b") as chunk:
@@ -547,7 +531,7 @@ def test_knobs_that_do_not_fit_the_meshes_are_refused_before_the_run(tmp_path, s
 def test_an_output_that_appears_during_the_run_is_not_overwritten(tmp_path):
     path = tmp_path / "x.h5"
     run = start("run", SMOKE, "-o", path, *LONG)
-    assert wait_for(lambda: (tmp_path / "x.h5.part" / "motion-0000000").exists())
+    wait_for(lambda: (tmp_path / "x.h5.part" / "motion-0000000").exists())
     path.write_text("precious")
     _, error = run.communicate(timeout=120)
     assert run.returncode == FILE and "exists by now" in error
@@ -582,7 +566,7 @@ def test_two_writers_of_one_file_do_not_lose_answers(tmp_path, smoke):
 def test_what_a_kill_left_behind_is_cleared_away(tmp_path, long_digest):
     path = tmp_path / "x.h5"
     run = start("run", SMOKE, "-o", path, *LONG)
-    assert wait_for(lambda: (tmp_path / "x.h5.part" / "truth-0000000").exists())
+    wait_for(lambda: (tmp_path / "x.h5.part" / "truth-0000000").exists())
     run.kill()
     run.communicate()
     assert pipeline("run", SMOKE, "-o", path, *LONG).returncode == DONE

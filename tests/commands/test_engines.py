@@ -321,7 +321,7 @@ def test_an_engine_that_cannot_take_the_meshes_says_so_at_its_label(odd, tmp_pat
     assert run.returncode == FAILED
     about = attributes(tmp_path / "c.h5", "odd")
     assert (about["status"], about["steps_done"]) == ("failed", 0)
-    assert about["reason"] == "it gives up: it cannot take these bodies: mesh 'a' is too odd"
+    assert about["reason"] == "it cannot take these bodies: mesh 'a' is too odd"
     assert attributes(tmp_path / "c.h5", "aabb")["promise"] == "conservative"
 
 

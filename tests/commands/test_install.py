@@ -114,6 +114,32 @@ def test_a_plugin_is_built_with_the_installed_header(prefix, tmp_path):
     assert listed.returncode == DONE and "spheres" in listed.stdout, listed.stderr
 
 
+def commit_said(tree, out):
+    done = subprocess.run(["cmake", f"-DSOURCE={tree}", f"-DOUTPUT={out}", "-DVERSION=1", "-P",
+                           tree / "pipeline/build_info.cmake"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return re.search(r'BUILD_GIT_COMMIT "(.*)"', out.read_text())[1]
+
+
+def test_an_archive_knows_its_commit_and_no_other(tmp_path):
+    if not (ROOT / ".git").exists():
+        pytest.skip("this tree is no repository")
+    git = ["git", "-c", "user.name=a", "-c", "user.email=a@b", "-C"]
+    head = subprocess.run([*git, ROOT, "rev-parse", "HEAD"], capture_output=True, text=True, check=True).stdout.strip()
+    assert commit_said(ROOT, tmp_path / "own").removesuffix("-dirty") == head
+    # Within a repository of somebody else.
+    subprocess.run([*git, tmp_path, "init", "-q"], check=True)
+    subprocess.run([*git, tmp_path, "commit", "-q", "--allow-empty", "-m", "theirs"], check=True)
+    copy = tmp_path / "a copy"
+    copy.mkdir()
+    archive = subprocess.run([*git, ROOT, "archive", "HEAD", "pipeline/build_info.cmake", ".gitattributes"], check=True,
+                             capture_output=True).stdout
+    subprocess.run(["tar", "-x", "-C", copy], input=archive, check=True)
+    assert commit_said(copy, tmp_path / "archived") == f"{head}-archived"
+    shutil.copy(ROOT / "pipeline/build_info.cmake", copy / "pipeline")  # copied as it is, without .git
+    assert commit_said(copy, tmp_path / "copied") == "unknown"
+
+
 # ---- the manual page and completion
 
 

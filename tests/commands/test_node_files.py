@@ -171,6 +171,21 @@ def test_buffers_beside_a_gltf_are_inputs(tmp_path):
         assert (file["meshes/a/vertices"][()] == CORNERS).all()
 
 
+@pytest.mark.parametrize("uri, name", [
+    ("my%20points.bin", "my points.bin"), ("my points.bin", "my points.bin"), ("./a%25b.bin", "a%b.bin"),
+    ("50%.bin", "50%.bin"), ("none/../../points.bin", "../points.bin")])
+def test_buffers_are_found_where_their_uri_says(uri, name, tmp_path):
+    document, buffer = gltf([{"name": "a"}])
+    document["buffers"][0]["uri"] = uri
+    (tmp_path / "files").mkdir()
+    (tmp_path / "files" / "a.gltf").write_text(json.dumps(document))
+    (tmp_path / "files" / name).write_bytes(buffer)
+    done, file = run(tmp_path, scene(body("a", "files/a.gltf")), poses("a"))
+    with file:
+        assert os.path.normpath(f"files/{name}") in json.loads(file.attrs["inputs_sha256"])
+    assert "without" not in done.stderr
+
+
 DAE = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
@@ -194,7 +209,7 @@ def test_dae_is_in_its_unit_and_not_turned(tmp_path):
         assert points[facets] == pytest.approx(np.array(CORNERS, float)[FACETS], abs=1e-6)
 
 
-def threemf(path, corners=CORNERS):
+def threemf(path, corners=CORNERS, change=lambda model: model, packed=False):
     import zipfile
     points = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in corners)
     facets = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in FACETS)
@@ -205,9 +220,9 @@ def threemf(path, corners=CORNERS):
     rels = ('<?xml version="1.0"?><Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
             '<Relationship Target="/3D/3dmodel.model" Id="rel0" '
             'Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>')
-    with zipfile.ZipFile(path, "w") as archive:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED if packed else zipfile.ZIP_STORED) as archive:
         archive.writestr("_rels/.rels", rels)
-        archive.writestr("3D/3dmodel.model", model)
+        archive.writestr("3D/3dmodel.model", change(model))
 
 
 def test_3mf_needs_its_scale(tmp_path):
@@ -266,8 +281,11 @@ def set_in(*path, value):
 
 
 GLTF = {
-    "truncated": (lambda d: None, "a.gltf: "),
-    "missing buffer": (set_in("buffers", 0, "uri", value="none.bin"), "none.bin"),
+    "truncated": (lambda d: None, "a.gltf:1:%d: the JSON ends too early"),
+    "no JSON": (lambda d: None, "a.gltf:2:4: is no JSON"),
+    "missing buffer": (set_in("buffers", 0, "uri", value="none.bin"),
+                       "a.gltf: 'none.bin' cannot be read (No such file or directory)"),
+    "a buffer that is a folder": (set_in("buffers", 0, "uri", value="."), "a.gltf: '.' is a folder"),
     "short buffer": (set_in("buffers", 0, "byteLength", value=9999), "a.gltf: "),
     "view beyond the buffer": (set_in("bufferViews", 0, "byteOffset", value=60), "a.gltf: "),
     "accessor beyond its view": (set_in("accessors", 0, "count", value=50), "a.gltf: "),
@@ -275,6 +293,24 @@ GLTF = {
     "another version": (set_in("asset", "version", value="7.0"), "a.gltf: "),
     "no scene": (set_in("scenes", value=[]), "a.gltf: "),
     "empty scene": (set_in("scenes", 0, "nodes", value=[]), "a.gltf: "),
+    "not of this kind": (lambda d: d.pop("asset"), "a.gltf: is no glTF: it has no 'asset'"),
+    "a turn of three numbers": (set_in("nodes", 0, "rotation", value=[0, 0, 1]),
+                                "a.gltf: nodes[0].rotation: must be 4 numbers"),
+    "a turn that scales": (set_in("nodes", 0, "rotation", value=[0, 0, 3, 4]),
+                           "a.gltf: nodes[0].rotation: must be a quaternion of length 1"),
+    "a matrix of 15": (set_in("nodes", 0, "matrix", value=[1] * 15), "a.gltf: nodes[0].matrix: must be 16 numbers"),
+    "a node under two": (set_in("nodes", value=[{"mesh": 0, "children": [2]}, {"children": [2]}, {"mesh": 0}]),
+                         "a.gltf: nodes[1].children: nodes[2] is under nodes[0] already"),
+    "positions of two numbers": (set_in("accessors", 0, "type", value="VEC2"),
+                                 "a.gltf: meshes[0].primitives[0]: positions must be three floats"),
+    "quantized": (set_in("accessors", 0, "componentType", value=5123), "positions must be three floats"),
+    "indices that are floats": (set_in("accessors", 1, "componentType", value=5126), "indices must be whole numbers"),
+    "corners left over": (set_in("accessors", 1, "count", value=11),
+                          "meshes[0].primitives[0]: triangles must have three corners each, there are 11"),
+    "positions on each other": (set_in("bufferViews", 0, "byteStride", value=4),
+                                "a.gltf: bufferViews[0].byteStride: must be at least the 12 bytes"),
+    "packed by others": (set_in("extensionsRequired", value=["EXT_meshopt_compression"]),
+                         "a.gltf: extensionsRequired: 'EXT_meshopt_compression' is not known here"),
     "a node of nothing": (set_in("nodes", 0, "mesh", value=5), "a.gltf: "),
     "a circle of nodes": (set_in("nodes", 0, "children", value=[0]), "a.gltf: "),
     "mirrored": (set_in("nodes", 0, "scale", value=[1, -1, 1]), "a.gltf: node 'a': is mirrored"),
@@ -288,7 +324,11 @@ GLTF = {
 def test_a_broken_gltf_is_refused_in_one_line(what, tmp_path):
     change, message = GLTF[what]
     text, buffer = broken_document(change)
-    (tmp_path / "a.gltf").write_text(text[:-30] if what == "truncated" else text)
+    if what == "truncated":
+        text, message = text[:-30], message % (len(text) - 29)
+    if what == "no JSON":
+        text = text[:20] + "\n   @" + text[20:]
+    (tmp_path / "a.gltf").write_text(text)
     (tmp_path / "points.bin").write_bytes(buffer)
     assert message in refused(tmp_path, scene(body("a", "a.gltf")), poses("a"))
 
@@ -319,30 +359,100 @@ def test_nodes_that_are_no_bodies_are_refused_in_one_line(what, tmp_path):
 def test_a_truncated_glb_is_refused_in_one_line(length, tmp_path):
     whole = glb([{"name": "a"}])
     (tmp_path / "a.glb").write_bytes(whole[:length])
-    assert refused(tmp_path, scene(body("a", "a.glb")), poses("a")).startswith("a.glb: ")
+    assert refused(tmp_path, scene(body("a", "a.glb")), poses("a")).startswith("a.glb: byte ")
 
 
-@pytest.mark.parametrize("what", ["truncated", "no COLLADA", "count", "index", "words", "no scene", "no geometry",
-                                  "mirrored"])
+WHOLE = glb([{"name": "a"}])
+GLB = {
+    "not of this kind": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "byte 0: a GLB must begin with 'glTF'"),
+    "another version": (WHOLE[:4] + struct.pack("<I", 7) + WHOLE[8:],
+                        "byte 4: the container must be of version 1 or 2, not 7"),
+    "longer than it is": (WHOLE[:8] + struct.pack("<I", 2**32 - 1) + WHOLE[12:],
+                          f"byte 8: its length is 4294967295, there are {len(WHOLE)} bytes; the file is truncated"),
+    # On this assimp 5.2 never ends.
+    "a chunk without end": (WHOLE[:12] + struct.pack("<I", 2**32 - 1) + WHOLE[16:],
+                            "byte 12: a chunk of 4294967295 bytes does not fit"),
+    "no JSON first": (WHOLE[:16] + b"BIN\0" + WHOLE[20:], "byte 16: the first chunk must be JSON"),
+    "no JSON": (WHOLE[:20] + b"]" + WHOLE[21:], "byte 20: is no JSON"),
+}
+
+
+@pytest.mark.parametrize("what", GLB)
+def test_a_broken_container_is_refused_with_its_byte(what, tmp_path):
+    content, message = GLB[what]
+    (tmp_path / "a.glb").write_bytes(content)
+    assert "a.glb: " + message in refused(tmp_path, scene(body("a", "a.glb")), poses("a"))
+
+
+BROKEN_DAE = {  # what stands there, what instead, and what is said
+    "truncated": (DAE[700:], "", "is no well-formed XML"),
+    "no COLLADA": ("COLLADA", "COLLAGE", "a.dae:1: must begin with <COLLADA>"),
+    "count": ('count="12"', 'count="90"', "a.dae:5: there must be 90 numbers, not 12"),
+    "a count below 0": ('count="12"', 'count="-1"', "a.dae:5: count: '-1' is no whole number of at least 0"),
+    "index": ("0 2 1 0", "0 2 77 0", "a.dae: "),
+    "an index below 0": ("0 2 1 0", "0 -2 1 0", "a.dae:9: indices: '-2' is no whole number of at least 0"),
+    "words": ("0 0 0 100 0", "0 0 zero 100 0", "a.dae:5: positions: 'zero' is no finite number"),
+    "no number": ("0 0 0 100 0", "0 0 NaN 100 0", "a.dae:5: positions: 'NaN' is no finite number"),
+    "places of two numbers": ('stride="3"', 'stride="2"', "a.dae:6: 'stride' of positions must be at least 3"),
+    "more places than numbers": ('accessor source="#pa" count="4"', 'accessor source="#pa" count="5"',
+                                 "a.dae:6: goes beyond the 12 numbers of its array"),
+    "no scene": ("<scene>", "<scenery>", "a.dae:12: is no well-formed XML"),
+    "no geometry": ('url="#g"', 'url="#h"', "a.dae: "),
+    "mirrored": ("<instance_geometry", "<scale>1 1 -1</scale><instance_geometry", "a.dae: node 'n': is mirrored"),
+    "a matrix of 15": ("<instance_geometry", "<matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0</matrix><instance_geometry",
+                       "a.dae:11: matrix must be 16 numbers, not 15"),
+    "a unit of a word": ('meter="0.01"', 'meter="cm"', "a.dae:3: 'meter' of <unit>: 'cm' is no finite number"),
+    # As an exporter writes where decimals have commas.
+    "a unit with a comma": ('meter="0.01"', 'meter="0,01"', "a.dae:3: 'meter' of <unit>: '0,01' is no finite number"),
+    "a unit below 0": ('meter="0.01"', 'meter="-1"', "a.dae:3: 'meter' of <unit> must be a number above 0"),
+}
+
+
+@pytest.mark.parametrize("what", BROKEN_DAE)
 def test_a_broken_dae_is_refused_in_one_line(what, tmp_path):
-    text = {"truncated": DAE[:700], "no COLLADA": DAE.replace("COLLADA", "COLLAGE"),
-            "count": DAE.replace('count="12"', 'count="90"'), "index": DAE.replace("0 2 1 0", "0 2 77 0"),
-            "words": DAE.replace("0 0 0 100 0", "0 0 zero 100 0"), "no scene": DAE.replace("<scene>", "<scenery>"),
-            "no geometry": DAE.replace('url="#g"', 'url="#h"'),
-            "mirrored": DAE.replace("<instance_geometry", "<scale>1 1 -1</scale><instance_geometry")}[what]
-    (tmp_path / "a.dae").write_text(text)
-    assert "a.dae: " in refused(tmp_path, scene(body("a", "a.dae")), poses("a"))
+    old, new, message = BROKEN_DAE[what]
+    assert old in DAE
+    (tmp_path / "a.dae").write_text(DAE.replace(old, new))
+    assert message in refused(tmp_path, scene(body("a", "a.dae")), poses("a"))
 
 
-@pytest.mark.parametrize("what", ["truncated", "empty", "text", "index", "damaged"])
+MODEL = "a.3mf: 3D/3dmodel.model:1: "
+BROKEN_3MF = {  # what stands in the model, what instead, and what is said
+    "no coordinate": ('x="1"', "", MODEL + "<vertex> must have one number as 'x'"),
+    "a word": ('x="1"', 'x="one"', MODEL + "x: 'one' is no finite number"),
+    "not finite": ('x="1"', 'x="inf"', MODEL + "x: 'inf' is no finite number"),
+    "an index of a word": ('v1="0"', 'v1="o"', MODEL + "v1: 'o' is no whole number of at least 0"),
+    "an index below 0": ('v1="0"', 'v1="-1"', MODEL + "v1: '-1' is no whole number"),
+    "a transform of 11": ('<item objectid="1"', '<item objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0"',
+                          MODEL + "'transform' must be 12 numbers, not 11"),
+    "mirrored": ('<item objectid="1"', '<item objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 0"', "is mirrored"),
+    "truncated within": ("</model>", "", MODEL + "is no well-formed XML"),
+    "no model": ("model", "modem", MODEL + "must begin with <model>"),
+    "nothing built": ('<item objectid="1"/>', "", "a.3mf: has no triangle"),
+    "an item of nothing": ('<item objectid="1"', '<item objectid="8"', "a.3mf: has no triangle"),
+}
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("what", BROKEN_3MF)
+def test_a_broken_model_of_a_3mf_is_refused_in_one_line(what, packed, tmp_path):
+    old, new, message = BROKEN_3MF[what]
+    threemf(tmp_path / "a.3mf", change=lambda model: model.replace(old, new), packed=packed)
+    assert message in refused(tmp_path, scene(body("a", "a.3mf", "scale = 1")), poses("a"))
+
+
+@pytest.mark.parametrize("what", ["truncated", "empty", "text", "index", "damaged", "no model"])
 def test_a_broken_3mf_is_refused_in_one_line(what, tmp_path):
     path = tmp_path / "a.3mf"
     threemf(path, CORNERS if what != "index" else CORNERS[:3])
     whole = path.read_bytes()
     path.write_bytes({"truncated": whole[:len(whole) // 2], "empty": b"", "text": b"no zip at all",
                       # On which assimp 5.2 aborts: the checksum of what is packed does not hold.
-                      "damaged": whole.replace(b"millimeter", b"millimetre")}.get(what, whole))
-    assert "a.3mf: " in refused(tmp_path, scene(body("a", "a.3mf", "scale = 1")), poses("a"))
+                      "damaged": whole.replace(b"millimeter", b"millimetre"),
+                      "no model": whole.replace(b".model", b".modem")}.get(what, whole))
+    message = {"damaged": "a.3mf: 3D/3dmodel.model: does not have its checksum", "no model": "a.3mf: has no .model",
+               "index": "a.3mf: node 'Object_1': index 3 is out of range"}.get(what, "a.3mf: is no archive, or is")
+    assert message in refused(tmp_path, scene(body("a", "a.3mf", "scale = 1")), poses("a"))
 
 
 def test_keys_that_do_not_fit_are_refused(tmp_path):

@@ -121,6 +121,20 @@ def test_changed_answers_and_libraries_are_told():
     assert told["different answers"] == 2 and told["which"] == "d (0.5) by 1111111; e (0.25) by 2222222"
 
 
+def test_another_library_is_no_noise_of_the_same_commit():
+    """Twice as slow by a new library: said as that, and not what runs of the commit differ by."""
+    old, new = '{"fcl": "0.7"}', '{"fcl": "0.8"}'
+    quiet = Interval(1, .99, 1.01)
+    rows = [record(libraries=old, floor=quiet), record(libraries=new, mean=200, low=198, high=202, number=1)]
+    found = changes(*rows).iloc[0]
+    assert (found["from"], found["to"], found.time) == ("1111111", "1111111", "slower")
+    assert found.libraries == "fcl 0.7 -> 0.8"
+    text = results.report(pd.DataFrame(rows))
+    assert text.count("fcl 0.7 -&gt; 0.8") >= 2, "it is said, and named below its place in the figure"
+    later = changes(*rows, record(commit="2", libraries=new, mean=210, low=208, high=212, number=2)).iloc[1]
+    assert later.time == "?" and np.isnan(later.noise), "the two libraries are no two runs of one thing"
+
+
 def test_methods_without_a_time_have_errors_only():
     table = pd.DataFrame([record(mean=np.nan, low=np.nan, high=np.nan),
                           record(commit="2", mean=np.nan, low=np.nan, high=np.nan, number=1, digest="e")])
@@ -146,16 +160,18 @@ def test_what_is_no_record_is_one_line(tmp_path, smoke):
 
 def test_the_action_s_script_works_as_it_stands(tmp_path):
     """What action.yml runs, in another repository's folder: result, report, records, a failed comparison."""
-    step = (ROOT / "action.yml").read_text().split("id: run\n", 1)[1].split("run: |\n", 1)[1].split("\n    - name:")[0]
+    action = (ROOT / "action.yml").read_text()
+    assert "runner.temp" not in action, "in a container that is the host's folder, and nothing would be kept"
+    step = action.split("id: run\n", 1)[1].split("run: |\n", 1)[1].split("\n    - name:")[0]
     shutil.copy(ROOT / "configs" / "smoke.toml", tmp_path)
     tree = tmp_path / "action"
     (tree / "build").mkdir(parents=True)
     (tree / "build" / "pipeline").symlink_to(os.path.abspath(PIPELINE))
     for part in ("scripts", "analysis"):
         (tree / part).symlink_to(ROOT / part)
-    env = os.environ | {"GITHUB_ACTION_PATH": str(tree), "RUNNER_TEMP": str(tmp_path / "temp"), "CONFIG": "smoke.toml",
-                        "GITHUB_OUTPUT": str(tmp_path / "output"), "GITHUB_STEP_SUMMARY": str(tmp_path / "summary"),
-                        "BASELINE": "", "RECORDS": ""}
+    env = os.environ | {"GITHUB_ACTION_PATH": str(tree), "CONFIG": "smoke.toml",
+                        "out": str(tmp_path / "temp" / "collision-benchmark"), "BASELINE": "", "RECORDS": "",
+                        "GITHUB_OUTPUT": str(tmp_path / "output"), "GITHUB_STEP_SUMMARY": str(tmp_path / "summary")}
     command = ["bash", "-eo", "pipefail", "-c", step]
     done = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True)
     assert done.returncode == DONE, done.stderr

@@ -170,6 +170,8 @@ BROKEN = {
     "too few numbers": (URDF, 'size="0.1 0.06 0.5"', 'size="0.1 0.06"', "'size' of <box> must be 3 numbers"),
     "flat": (URDF, 'size="0.1 0.06 0.5"', 'size="0.1 0.06 0"', "must be three numbers above 0"),
     "no axis": (URDF, '<axis xyz="0 0 1"/>', '<axis xyz="0 0 0"/>', "the axis must not be 0"),
+    "limits the wrong way": (URDF, 'lower="0" upper="0.1"', 'lower="0.1" upper="0"',
+                             "'lower' of <limit> is above 'upper'"),
     "another shape": (URDF, "<sphere", "<capsule", "<capsule> is no shape of URDF"),
     "another joint": (URDF, 'type="continuous"', 'type="ball"', "must be revolute, continuous, prismatic or fixed"),
     "xacro": (URDF, '<link name="base">', '<xacro:include filename="x"/><link name="base">',

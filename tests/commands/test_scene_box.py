@@ -2,15 +2,13 @@
 
 import json
 import signal
-import subprocess
-import time
 
 import h5py
 import numpy as np
 import pytest
 import xarray
 
-from conftest import ROOT
+from program import ROOT, digest, pipeline, start, wait_for
 
 KOSTKA = str(ROOT / "configs" / "kostka.toml")
 PLATES = 6
@@ -18,19 +16,10 @@ PLATES = 6
 SMALL = ["--set", "steps=60", "--set", "scene.segments=6", "--set", "timing.repeats=1"]
 
 
-def run(pipeline, *arguments, cwd=None):
-    return subprocess.run([pipeline, *map(str, arguments)], cwd=cwd, text=True, capture_output=True, timeout=300)
-
-
-def digest(path):
-    with h5py.File(path) as file:
-        return file.attrs["digest"]
-
-
 @pytest.fixture(scope="module")
-def small(pipeline, tmp_path_factory):
+def small(tmp_path_factory):
     path = tmp_path_factory.mktemp("box") / "box.h5"
-    done = run(pipeline, "run", KOSTKA, "-o", path, *SMALL)
+    done = pipeline("run", KOSTKA, "-o", path, *SMALL)
     assert done.returncode == 0, done.stderr
     return path
 
@@ -104,43 +93,40 @@ def test_xarray_opens_every_group(small):
         assert bodies["first_step"].dims == ("body",)
 
 
-def test_the_same_command_gives_the_same_digest(pipeline, small, tmp_path):
-    assert run(pipeline, "run", KOSTKA, "-o", tmp_path / "again.h5", *SMALL, "--threads", 3).returncode == 0
+def test_the_same_command_gives_the_same_digest(small, tmp_path):
+    assert pipeline("run", KOSTKA, "-o", tmp_path / "again.h5", *SMALL, "--threads", 3).returncode == 0
     assert digest(tmp_path / "again.h5") == digest(small)
 
 
 # Births at steps 49 and 50 and pushes at 50 and 100: around the boundaries of the chunks.
 LONG = ["--set", "steps=160", "--set", "scene.segments=4", "--set", "timing.repeats=1", "--set", "scene.births.every=1",
-        "--set", "scene.births.from=40", "--set", "scene.births.count=40"]  # fmt: skip
+        "--set", "scene.births.from=40", "--set", "scene.births.count=40"]
 
 
 @pytest.fixture(scope="module")
-def long_digest(pipeline, tmp_path_factory):
+def long_digest(tmp_path_factory):
     path = tmp_path_factory.mktemp("long") / "long.h5"
-    assert run(pipeline, "run", KOSTKA, "-o", path, *LONG).returncode == 0
+    assert pipeline("run", KOSTKA, "-o", path, *LONG).returncode == 0
     return digest(path)
 
 
 @pytest.mark.parametrize("chunk", ["motion-0000000", "motion-0000050", "motion-0000100"])
-def test_a_killed_run_resumes_with_the_same_digest(pipeline, tmp_path, long_digest, chunk):
+def test_a_killed_run_resumes_with_the_same_digest(tmp_path, long_digest, chunk):
     path, part = tmp_path / "x.h5", tmp_path / "x.h5.part"
-    command = [pipeline, "run", KOSTKA, "-o", str(path), *LONG]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    end = time.monotonic() + 60
-    while not (part / chunk).exists() and process.poll() is None and time.monotonic() < end:
-        time.sleep(0.002)
+    process = start("run", KOSTKA, "-o", path, *LONG)
+    wait_for(lambda: (part / chunk).exists() or process.poll() is not None)
     process.send_signal(signal.SIGKILL)
-    process.wait(timeout=60)
-    assert run(pipeline, "run", KOSTKA, "-o", path, *LONG).returncode == 0
+    process.communicate(timeout=60)
+    assert pipeline("run", KOSTKA, "-o", path, *LONG).returncode == 0
     assert digest(path) == long_digest
     assert not part.exists()
 
 
-def test_a_birth_without_a_place_is_one_line_and_leaves_nothing(pipeline, tmp_path):
+def test_a_birth_without_a_place_is_one_line_and_leaves_nothing(tmp_path):
     crowd = ["--set", "steps=100", "--set", "scene.half_width=2", "--set", "scene.births.every=1"]
-    run(pipeline, "run", KOSTKA, *crowd, cwd=tmp_path)
+    pipeline("run", KOSTKA, *crowd, cwd=tmp_path)
     assert list(tmp_path.iterdir()) == []  # no folder results either
-    done = run(pipeline, "run", KOSTKA, "-o", tmp_path / "x.h5", *crowd)
+    done = pipeline("run", KOSTKA, "-o", tmp_path / "x.h5", *crowd)
     assert done.returncode == 3
     assert done.stdout == ""
     lines = done.stderr.strip().splitlines()
@@ -150,16 +136,16 @@ def test_a_birth_without_a_place_is_one_line_and_leaves_nothing(pipeline, tmp_pa
     assert list(tmp_path.iterdir()) == []
 
 
-def test_more_spheres_than_fit_are_refused_before_the_run(pipeline, tmp_path):
-    done = run(pipeline, "check", KOSTKA, "--set", "scene.births.count=1500", "--set", "scene.births.every=0")
+def test_more_spheres_than_fit_are_refused_before_the_pipeline(tmp_path):
+    done = pipeline("check", KOSTKA, "--set", "scene.births.count=1500", "--set", "scene.births.every=0")
     assert done.returncode == 3
     assert "no packing fills more than 0.74" in done.stderr
 
 
-def test_a_sphere_that_leaves_fails_the_run_as_data(pipeline, tmp_path):
+def test_a_sphere_that_leaves_fails_the_run_as_data(tmp_path):
     foam = ["--set", "steps=120", "--set", "scene.segments=4", "--set", "physics.stiffness=100"]
     path = tmp_path / "x.h5"
-    done = run(pipeline, "run", KOSTKA, "-o", path, *foam, "--set", "timing.repeats=1")
+    done = pipeline("run", KOSTKA, "-o", path, *foam, "--set", "timing.repeats=1")
     assert done.returncode == 1
     with h5py.File(path) as file:
         status = file["physics"].attrs["status"]
@@ -170,7 +156,7 @@ def test_a_sphere_that_leaves_fails_the_run_as_data(pipeline, tmp_path):
     assert status in done.stderr
 
 
-def test_check_says_that_no_gravity_acts(pipeline):
-    text = run(pipeline, "check", KOSTKA).stdout
+def test_check_says_that_no_gravity_acts():
+    text = pipeline("check", KOSTKA).stdout
     assert "86 bodies" in text and "no gravity force" in text and "no damping" in text
-    assert json.loads(run(pipeline, "check", KOSTKA, "--json").stdout)["scene"] == "box"
+    assert json.loads(pipeline("check", KOSTKA, "--json").stdout)["scene"] == "box"

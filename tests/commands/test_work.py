@@ -11,7 +11,7 @@ import time
 
 import h5py
 import pytest
-from program import DONE, FAILED, FILE, INPUT, INTERRUPTED, PIPELINE, ROOT, pipeline
+from program import DONE, FAILED, FILE, INPUT, INTERRUPTED, PIPELINE, ROOT, digest, pipeline, start, wait_for
 
 from analysis.figures.drawing import steps_of
 from analysis.load import load
@@ -22,11 +22,6 @@ SMOKE = str(ROOT / "configs" / "smoke.toml")
 LONG = ["--set", "steps=300", "--set", "timing.repeats=150"]  # six chunks of truth and of answers
 CHUNKS = 6
 LEASE = 1.0  # s, short enough to wait for
-
-
-def start(*arguments, **more):
-    more = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | more
-    return subprocess.Popen([PIPELINE, *map(str, arguments)], text=True, **more)
 
 
 def worker(part, *more, lease=LEASE, **how):
@@ -40,18 +35,10 @@ def ended(process, code=DONE):
     return json.loads(out) if code == DONE else error.strip().splitlines()[-1]
 
 
-def wait_for(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if condition():
-            return
-        time.sleep(0.002)
-    raise AssertionError("it did not come to it")
-
-
-def digest(path):
-    with h5py.File(path) as file:
-        return file.attrs["digest"]
+def stop(process):
+    """Until it stands still: the signal is sent, not taken, when its call is back."""
+    process.send_signal(signal.SIGSTOP)
+    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
 
 
 def chunks(part, stage):
@@ -169,7 +156,7 @@ def test_the_run_killed_beside_its_workers_is_resumed(tmp_path, alone):
 def test_a_worker_stopped_beyond_its_lease_loses_its_chunk_and_nothing_else(part, alone):
     stopped = worker(part)
     wait_for(lambda: list(part.glob("*.claim")))
-    stopped.send_signal(signal.SIGSTOP)
+    stop(stopped)
     claims = {path.name for path in part.glob("*.claim")}
     try:
         other = ended(worker(part))  # waits for the lease, then takes over
@@ -184,7 +171,7 @@ def test_a_worker_stopped_beyond_its_lease_loses_its_chunk_and_nothing_else(part
 def test_a_worker_stopped_while_the_run_ends_without_it(part, alone):
     stopped = worker(part)
     wait_for(lambda: chunks(part, "answers") and list(part.glob("*.claim")))
-    stopped.send_signal(signal.SIGSTOP)
+    stop(stopped)
     try:
         path = part.with_suffix("")
         run = pipeline("run", SMOKE, "-o", path, *LONG)
@@ -305,7 +292,7 @@ def test_a_finished_run_needs_nobody(part, alone):
 def test_a_part_that_vanishes_is_told(part):
     one = worker(part)
     wait_for(lambda: list(part.glob("*.claim")))
-    one.send_signal(signal.SIGSTOP)
+    stop(one)
     os.rename(part, part.with_name("elsewhere"))
     shutil.rmtree(part.with_name("elsewhere"))
     one.send_signal(signal.SIGCONT)
@@ -315,7 +302,7 @@ def test_a_part_that_vanishes_is_told(part):
 def test_a_run_begun_anew_in_its_place_is_told(part):
     one = worker(part)
     wait_for(lambda: list(part.glob("*.claim")))
-    one.send_signal(signal.SIGSTOP)
+    stop(one)
     run = pipeline("run", SMOKE, "-o", part.with_suffix(""), "--set", "steps=299", "--motion-only", "--force")
     assert run.returncode == DONE, run.stderr
     one.send_signal(signal.SIGCONT)

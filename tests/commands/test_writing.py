@@ -12,11 +12,10 @@ import signal
 import stat
 import subprocess
 import sys
-import time
 
 import h5py
 import pytest
-from program import DONE, FILE, INPUT, INTERRUPTED, PIPELINE, ROOT, one_line, pipeline
+from program import DONE, FILE, INPUT, INTERRUPTED, PIPELINE, ROOT, digest, one_line, pipeline, start, wait_for
 
 SMOKE = str(ROOT / "configs" / "smoke.toml")
 BOX = ROOT / "tests" / "data" / "box.h5"
@@ -30,33 +29,14 @@ def last_line(run):
     return run.stderr.strip().splitlines()[-1]
 
 
-def digest(path):
-    with h5py.File(path) as file:
-        return file.attrs["digest"]
-
-
 def names(folder):
     return sorted(entry.name for entry in folder.iterdir())
-
-
-def start(*arguments, **more):
-    more = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | more
-    return subprocess.Popen([PIPELINE, *map(str, arguments)], text=True, **more)
-
-
-def wait_for(condition, run, seconds=60):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end and run.poll() is None:
-        if condition():
-            return True
-        time.sleep(0.001)
-    return bool(condition())
 
 
 def killed_after(condition, *arguments):
     """Starts a run and kills it when the condition holds."""
     run = start(*arguments)
-    assert wait_for(condition, run)
+    wait_for(condition, run)
     run.kill()
     run.communicate()
     assert run.returncode == -signal.SIGKILL, "it was quicker than the kill"
@@ -257,7 +237,7 @@ def test_no_name_of_a_chunk_is_followed(tmp_path, long_digest):
 def test_a_result_swapped_while_it_is_made_never_becomes_the_result(tmp_path, long_digest):
     path, part = tmp_path / "x.h5", tmp_path / "x.h5.part"
     run = start("run", SMOKE, "-o", path, *LONG)
-    assert wait_for(lambda: (part / "truth-0000000").exists(), run)
+    wait_for(lambda: (part / "truth-0000000").exists(), run)
     (making,) = tmp_path.glob(".x.h5.*.new")
     making.unlink()
     shutil.copy(BOX, making)
@@ -333,7 +313,7 @@ def test_detect_does_not_overwrite_a_result_that_was_replaced_meanwhile(tmp_path
     path = shutil.copy(smoke, tmp_path / "x.h5")
     newer = shutil.copy(smoke, tmp_path.with_suffix(".newer"))
     run = start("detect", path, "--algorithm", SLOW)
-    assert wait_for(lambda: len(names(tmp_path)) == 3, run)
+    wait_for(lambda: len(names(tmp_path)) == 3, run)
     os.replace(newer, path)
     kept = path.stat().st_ino
     _, error = run.communicate(timeout=120)
@@ -505,7 +485,7 @@ def test_a_part_that_cannot_be_removed_is_said(tmp_path, failing):
     path.unlink()
     (tmp_path / "x.h5.part").rmdir()
     run = start("run", SMOKE, "-o", path, *LONG)
-    assert wait_for(lambda: (tmp_path / "x.h5.part" / "motion-0000000").exists(), run)
+    wait_for(lambda: (tmp_path / "x.h5.part" / "motion-0000000").exists(), run)
     (tmp_path / "x.h5.part" / "notes.txt").write_text("mine")
     _, error = run.communicate(timeout=120)
     assert run.returncode == DONE and "notes.txt is in it" in error
@@ -520,7 +500,7 @@ def test_a_run_that_fails_at_once_leaves_no_folders(tmp_path):
     assert run.returncode == FILE
     assert names(tmp_path) == []
     run = start("run", SMOKE, "-o", tmp_path / "a" / "b" / "x.h5", "--set", "steps=100000")
-    assert wait_for(lambda: (tmp_path / "a" / "b" / "x.h5.part" / "manifest.json").exists(), run)
+    wait_for(lambda: (tmp_path / "a" / "b" / "x.h5.part" / "manifest.json").exists(), run)
     run.send_signal(signal.SIGINT)  # before a first chunk there is nothing to resume
     run.communicate(timeout=60)
     assert run.returncode == INTERRUPTED

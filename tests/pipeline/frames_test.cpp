@@ -217,7 +217,8 @@ TEST(Hello, SaysAllAndIsReadBack) {
               .remembers = true,
               .threads = 2,
               .setup_ns = 123456789,
-              .memory_bytes = 4096};
+              .memory_bytes = 4096,
+              .refuses = "mesh 'a' is open"};
   const About back = about_in(text_of(about));
   EXPECT_EQ(back.name, "mine");
   EXPECT_EQ(back.version, "1.2");
@@ -232,10 +233,12 @@ TEST(Hello, SaysAllAndIsReadBack) {
   EXPECT_EQ(back.threads, 2);
   EXPECT_EQ(back.setup_ns, 123456789);
   EXPECT_EQ(back.memory_bytes, 4096);
+  EXPECT_EQ(fault_of([&] { back.takes_them(); }), "it cannot take these bodies: mesh 'a' is open");
 
   const About least = about_in(R"({"protocol": 1, "name": "m"})");
   EXPECT_EQ(least.promise, algorithms::Promise::none);
   EXPECT_EQ(least.memory_bytes, -1);
+  least.takes_them();
   EXPECT_EQ(least.operations_unit + least.tests + least.licence, "");
 }
 

@@ -89,6 +89,19 @@ TEST(Interval, OfManyIndependentStepsIsTheNormalOne) {
   EXPECT_NEAR(mean.value, 1e6, 4 * half);
 }
 
+// Five blocks that grow, as the times of a heap do: resamples of few different blocks have next to no error, so that
+// the bootstrap's interval was 1 ns to hours. Student's of 4 degrees of freedom by hand: s^2 = sum (a_j / mean - 1)^2 /
+// 20 is (0.36 + 0.16 + 0.16 + 0.16 + 0.04) / 20 of blocks 0.4, 0.6, 1.4, 1.4 and 1.2 times the mean.
+TEST(Interval, OfFewBlocksIsStudents) {
+  Times times;
+  for (const int block : {4, 6, 14, 14, 12}) times.insert(times.end(), 50, block * 100'000);
+  const Interval mean = mean_interval(times);
+  const double half = 2.776445 * std::sqrt((0.36 + 0.16 + 0.16 + 0.16 + 0.04) / 20);
+  EXPECT_NEAR(mean.value, 1e6, 1e-6);
+  EXPECT_NEAR(std::log(mean.high / mean.value), half, 1e-6);
+  EXPECT_NEAR(std::log(mean.value / mean.low), half, 1e-6);
+}
+
 // tests/interval_trials.py has the trials with noise as it was measured; this would see a quantile or an error that is
 // off by a fifth. 400 trials of a 95 % interval give 380 +- 4.4.
 TEST(Interval, HoldsTheTrueRatioInNineteenOfTwentyTrials) {

@@ -60,8 +60,9 @@ export function engine({packages, near = false, self_test = () => true, ...about
     let method;
     try {
       method = method_of(world, await make(world, knobs), near);
-    } catch (error) {  // the engine is well: its label says at the first step what it cannot do
-      method = {answer: () => refuse(`it cannot take these bodies: ${error?.message ?? error}`)};
+    } catch (error) {  // the engine is well: what it cannot do is its label's status
+      about.refuses = String(error?.message ?? error).replace(/\s+/g, ' ').slice(0, 200);
+      return {about};
     }
     about.setup_ns = Number(process.hrtime.bigint() - begin);
     Object.assign(about, method.about);

@@ -5,11 +5,11 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from . import labels
-from ..tables import pareto
-from .drawing import shortened
-from .figure import FALSE_POSITIVE, MISSED, Figure, figure, style, svg_of
-from ..words import counted, listed, number, verb
+from ...tables import pareto
+from ...words import counted, duration, listed, number, verb
+from .. import labels
+from ..drawing import shortened
+from ..figure import Figure, figure, style, svg_of
 
 NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
 HEIGHT = 4.7  # inches, without the legend
@@ -23,14 +23,6 @@ COSTS = {
     "time_mean_ns": "mean time per step",
     "operations": "mean operations per step",
 }
-
-
-def time(ns):
-    """A time with its unit, three digits."""
-    if not np.isfinite(ns):
-        return "–"
-    unit, name = next(((u, n) for u, n in ((1e9, "s"), (1e6, "ms"), (1e3, "µs")) if ns >= u * 0.9995), (1, "ns"))
-    return f"{number(ns / unit)} {name}"
 
 
 def against(scene, points, cost, key, apart=""):
@@ -57,12 +49,12 @@ def finding(points, cost):
     """What the figure shows, as a sentence."""
     if cost == "operations" and points.unit.nunique() > 1:
         ends = points.loc[points[cost].idxmin()], points.loc[points[cost].idxmax()]
-        each = [f"{number(end[cost])} {end.unit} ({end.label})" for end in ends]
+        each = [f"{number(end[cost])} a step ({end.label}: {end.unit})" for end in ends]
         return (
-            f"Elementary tests a step are of {points.unit.nunique()} kinds, which do not compare: from {each[0]} "
+            f"Elementary tests are of {points.unit.nunique()} kinds, which do not compare: from {each[0]} "
             f"to {each[1]}"
         )
-    show = time if cost == "time_mean_ns" else lambda value: f"{number(value)} operations"
+    show = duration if cost == "time_mean_ns" else lambda value: f"{number(value)} operations"
     cheapest = "fastest" if cost == "time_mean_ns" else "cheapest"
     if not len(points):
         return "No algorithm has a cost that could be drawn"
@@ -86,8 +78,7 @@ def finding(points, cost):
     if not len(faster):
         return (
             f"{best.label} {least} at {show(best[cost])} and is as fast as {first.label}, {show(first[cost])}, which "
-            "errs"
-            f" {number(first.error)}: no other is worth its cost here"
+            f"errs {number(first.error)}: no other is worth its cost here"
         )
     second = faster.iloc[-1]
     words = (
@@ -110,222 +101,6 @@ def _few(names):
     return listed(names if len(names) < 4 else [*names[:2], f"{len(names) - 2} more"])
 
 
-def costs(scene, points, key):
-    """The figure of what `points` cost besides time per step: set-up and memory. None when no file says."""
-    points = points.reset_index(drop=True)
-    if not {"setup_ns",
-            "memory_bytes"} <= set(points) or not points[["setup_ns", "memory_bytes"]].notna().any(axis=None):
-        return None
-    points = points.sort_values(["time_mean_ns", "error"], ignore_index=True)
-    table = pd.DataFrame({
-        "label": points.label,
-        "set-up (µs)": points.setup_ns / 1e3,
-        "memory after set-up (KiB)": points.memory_bytes / 1024,
-        "memory at the most (KiB)": points.memory_greatest_bytes / 1024,
-        "mean time (µs)": points.time_mean_ns / 1e3,
-        "error": points.error,
-    })
-    drawn = points.iloc[:NAMED]
-    rest = "" if len(drawn) == len(points) else f" The {NAMED} fastest of {len(points)} are drawn, all are below."
-    unknown = list(points.label[points.memory_bytes.isna()])
-    unknown = f" Nothing is known of the memory of {', '.join(unknown)}." if unknown else ""
-    caption = (
-        f"{scene.title}: {counted(len(points), 'label')}, the fastest per step first. Set-up is made once a run and no"
-        " part of the time per step: hierarchies, hulls, points. Memory is heap as malloc counts it, to about a "
-        "percent:"
-        f" filled after set-up, hollow the most at any time.{rest}{unknown}"
-    )
-    fig, (left, right) = figure(1, 2, height=0.85 + 0.2 * max(len(drawn), 3), sharey=True)
-    rows = np.arange(len(drawn))[::-1]
-    for row, (_, point) in zip(rows, drawn.iterrows()):
-        look = style(point.algorithm, point.label) | {"linestyle": "none", "gid": f"of:{point.label}"}
-        left.plot([point.setup_ns], [row], **look)
-        right.plot([point.memory_bytes, point.memory_greatest_bytes], [row, row], color=look["color"], linewidth=0.8)
-        right.plot([point.memory_greatest_bytes], [row], **look, markerfacecolor="white", markeredgewidth=1.2)
-        right.plot([point.memory_bytes], [row], **look)
-    for axes, values, words, shown_as in (
-        (left, [drawn.setup_ns], "set-up", time),
-        (right, [drawn.memory_bytes, drawn.memory_greatest_bytes], "memory", memory),
-    ):
-        axes.set_xlabel(words)
-        axes.tick_params(axis="y", length=0)
-        values = np.concatenate([value.to_numpy(dtype=float) for value in values])
-        values = values[np.isfinite(values) & (values > 0)]
-        if not len(values):
-            continue
-        axes.set_xscale("log")
-        room = max((values.max() / values.min()) ** 0.1, 1.5)
-        limits = values.min() / room, values.max() * room
-        axes.set_xlim(limits)
-        # At most four ticks: their names are long. Of memory such as 100 KiB, 1 MiB.
-        ticks = _fixed(limits, 2).locs if shown_as is time else _binary(limits)
-        axes.xaxis.set_major_locator(FixedLocator(ticks[:: max(1, -(-len(ticks) // 4))]))
-        axes.xaxis.set_major_formatter(lambda value, _, shown_as=shown_as: shown_as(value))
-        axes.xaxis.set_minor_locator(NullLocator())
-    left.set_yticks(rows, shortened(drawn.label, LONGEST).values())
-    left.set_ylim(-0.6, len(drawn) - 0.4)
-    return Figure(_costs_finding(points), svg_of(fig), caption, table, key)
-
-
-def _binary(limits):
-    """1, 10 and 100 of B, KiB, MiB and GiB within limits; their middle where there is none."""
-    ticks = [unit * times for unit in (1, 1 << 10, 1 << 20, 1 << 30) for times in (1, 10, 100)]
-    return [tick for tick in ticks if limits[0] <= tick <= limits[1]] or [float(np.sqrt(limits[0] * limits[1]))]
-
-
-def _costs_finding(points):
-    longest, largest = (points.label[points[column].idxmax()] if points[column].notna().any() else ""
-                        for column in ("setup_ns", "memory_greatest_bytes"))
-    words = f"{longest} takes longest to set up, {time(points.setup_ns.max())}" if longest else ""
-    if not largest:
-        return words
-    most = f"most memory, {memory(points.memory_greatest_bytes.max())}"
-    return f"{words}, and {most}" if longest == largest else f"{words}{'; ' if words else ''}{largest} takes {most}"
-
-
-def memory(size):
-    """Bytes with their unit, three digits."""
-    if not np.isfinite(size):
-        return "–"
-    for unit, name in ((1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB")):
-        if size >= unit:
-            return f"{number(size / unit)} {name}"
-    return f"{number(size)} B"
-
-
-def trade(scene, key):
-    """The figure of precision against recall: no misses first."""
-    points = scene.points.reset_index(drop=True)
-    points = points[points.recall.notna() & points.precision.notna()] if {"recall",
-        "precision"} <= set(points) else points[:0]
-    table = pd.DataFrame({
-        "label": points.label, "recall": points.get("recall"), "precision": points.get("precision"),
-        "missed": points.false_negative.astype("int64"), "false positives": points.false_positive.astype("int64"),
-        "mean time (µs)": points.time_mean_ns / 1e3, "promise": points.promise,
-    }).sort_values(["missed", "mean time (µs)"], ignore_index=True)
-    fig, axes = figure(height=4.2)
-    axes.set(xlim=(-0.02, 1.03), ylim=(-0.02, 1.03), xlabel="recall: share of meeting pairs that are found",
-             ylabel="precision: share of hits that are right")
-    axes.axvline(1, color="#999999", linewidth=0.8, linestyle=(0, (4, 2)))
-    titles = {}
-    for _, point in points.iterrows():
-        look = style(point.algorithm, point.label)
-        gid = f"of:{point.label}"
-        titles[gid] = f"{point.label}: recall {number(point.recall)}, precision {number(point.precision)}"
-        axes.plot([point.recall], [point.precision], **look | {"linestyle": "none"}, gid=gid, clip_on=False)
-    if len(points):
-        box = axes.get_window_extent()
-        fig.draw_without_rendering()
-        box = axes.get_window_extent()
-        marks = axes.transData.transform(points[["recall", "precision"]].to_numpy(dtype=float))
-        safe = np.flatnonzero(points.recall.to_numpy() == 1)
-        few = list(range(len(points)) if len(points) <= NAMED else safe[:NAMED])
-        texts = shortened(points.label.iloc[few], LONGEST)
-        sizes = np.array([labels.size(texts[points.label.iloc[i]], TEXT) for i in few]).reshape(-1, 2)
-        put, leaders = labels.place(few, sizes, (box.x0, box.y0, box.x1, box.y1), marks, np.full(len(marks), 5.0), [])
-        back = fig.transFigure.inverted()
-        for i, corner, line in zip(few, put, leaders):
-            label = points.label.iloc[i]
-            if np.isnan(corner).any():
-                continue
-            fig.text(*back.transform(corner), texts[label], fontsize=TEXT, va="bottom", ha="left", gid=f"halo:{label}")
-            if not np.isnan(line).any():
-                ends = back.transform(line.reshape(2, 2))
-                colour = style(points.algorithm.iloc[i], label)["color"]
-                fig.add_artist(Line2D(*ends.T, color=colour, linewidth=0.7, gid=f"of:{label}"))
-    caption = (
-        f"{scene.title}: {counted(len(points), 'label')}. On the dashed line nothing is missed: whoever may miss "
-        f"nothing chooses "
-        "there, the higher the fewer false positives; times stand in the table, which has those that miss nothing "
-        "first."
-    )
-    return Figure(_trade_finding(table), svg_of(fig, titles), caption, table, key)
-
-
-def _trade_finding(table):
-    if not len(table):
-        return "No label has both a precision and a recall"
-    safe = table[table.missed == 0]
-    if not len(safe):
-        best = table.iloc[0]
-        return f"Every label misses something; {best.label} least, {number(best.missed)} pairs"
-    best = safe.loc[safe.precision.idxmax()]
-    words = f"No misses first: {counted(len(safe), 'label')} {verb(len(safe), 'misses', 'miss')} nothing; "
-    words += f"{best.label} has the "
-    words += f"fewest false positives of them, {number(best['false positives'])}"
-    timed = safe[safe["mean time (µs)"].notna()]
-    if best.label not in set(timed.label):
-        return words
-    quick = timed.loc[timed["mean time (µs)"].idxmin()]
-    words += f", at {number(best['mean time (µs)'])} µs"
-    if quick.label != best.label:
-        words += (
-            f"; {quick.label} is the quickest, {number(quick['mean time (µs)'])} µs with "
-            f"{number(quick['false positives'])}"
-        )
-    return words
-
-
-def kinds(scene, key):
-    """The figure of both kinds of error: the share of true pairs that is missed, and false reports per true pair."""
-    points = scene.points.sort_values(["error", "time_mean_ns"]).reset_index(drop=True)
-    met = float(scene.runs[0].truth_hits.sum())
-    table = pd.DataFrame({
-        "label": points.label,
-        "missed (% of what meets)": points.false_negative / met * 100 if met else np.nan,
-        "false positives per pair that meets": points.false_positive / met if met else np.nan,
-        "false negatives": points.false_negative.astype("int64"),
-        "false positives": points.false_positive.astype("int64"),
-        "error": points.error,
-    })
-    drawn = table.iloc[:NAMED]
-    rest = (
-        ""
-        if len(drawn) == len(table)
-        else f" The {NAMED} with the smallest error of {len(table)} are drawn, all are below."
-    )
-    caption = (
-        f"{scene.title}: {counted(len(table), 'label')}, the smallest error first; {number(met)} pairs truly meet over"
-        f" all steps.{rest}"
-    )
-    missed = drawn["missed (% of what meets)"] if met else drawn["false negatives"]
-    reported = drawn["false positives per pair that meets"] if met else drawn["false positives"]
-    fig, (left, right) = figure(1, 2, height=0.75 + 0.2 * max(len(drawn), 3), sharey=True)
-    rows = np.arange(len(drawn))[::-1]
-    for axes, values, colour, words in (
-        (left, missed, MISSED, "missed, % of what meets" if met else "missed"),
-        (right, reported, FALSE_POSITIVE, "false positives per pair that meets" if met else "false positives"),
-    ):
-        for bar, label in zip(axes.barh(rows, values, color=colour, height=0.72), drawn.label):
-            bar.set_gid(f"of:{label}")
-        axes.set_xlabel(words)
-        axes.grid(axis="y", visible=False)
-        axes.set_xlim(0, (values.max() or 1) * 1.22)
-        for row, value in zip(rows, values):
-            axes.text(value, row, f" {number(value)}", va="center", fontsize=9, color="#111111" if value else "#767676")
-        axes.tick_params(axis="y", length=0)
-        axes.locator_params(axis="x", nbins=4)
-    left.set_yticks(rows, shortened(drawn.label, LONGEST).values())
-    left.set_ylim(-0.6, len(drawn) - 0.4)
-    return Figure(_kinds_finding(points, met), svg_of(fig), caption, table, key)
-
-
-def _kinds_finding(points, met):
-    if not met:
-        return f"No pair meets; {(points.hits == 0).sum()} of {len(points)} report none either"
-    none_missed, none_false = (points.false_negative == 0).sum(), (points.false_positive == 0).sum()
-    misses = points.loc[points.false_negative.idxmax()]
-    most = points.loc[points.false_positive.idxmax()]
-    words = (f"{none_missed} of {len(points)} miss nothing, {none_false} {verb(none_false, 'has', 'have')} no false "
-             "positive")
-    if misses.false_negative:
-        words += f"; {misses.label} misses most, {number(misses.false_negative / met * 100)} % of what meets"
-    if most.false_positive:
-        words += (f"; {most.label} has the most false positives, {number(most.false_positive / met)} for every pair "
-                  "that meets")
-    return words
-
-
 def _caption(scene, points, cost):
     run = scene.runs[0]
     units = (
@@ -338,12 +113,15 @@ def _caption(scene, points, cost):
     configs = ", ".join(dict.fromkeys(f"{r.meta.get('config_sha256', '?')[:12]}" for r in scene.runs))
     commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
     hits = int(run.truth_hits.sum())
+    reading = "Down and to the left is better; the dashed line is the Pareto front: nothing below it is cheaper."
+    if len(points) and not points.front.any():
+        reading = "Lower is better; what stands to the left of another has cost less only where both are of one kind."
     return (
         f"{scene.title}: {counted(len(points), 'label')}, {counted(run.meta['steps'], 'step')},"
         f" {counted(len(run.meta['bodies']), 'body', 'bodies')},"
-        f" {number(hits)} pairs truly meet over all steps. Down and to the left is better; the dashed line is the"
-        f" Pareto front: nothing below it is cheaper. {what if cost == 'time_mean_ns' else units} Configuration"
-        f" {configs}, motion and truth of commit {commits}. " + (machines if cost == "time_mean_ns" else "")
+        f" {number(hits)} pairs truly meet over all steps. {reading}"
+        f" {what if cost == 'time_mean_ns' else units} Configuration {configs}, motion and truth of"
+        f" commit {commits}. " + (machines if cost == "time_mean_ns" else "")
     ).strip()
 
 
@@ -354,8 +132,7 @@ def _trust(points):
     floor = pareto.widest(*points.floor) if "floor" in points else None
     words = (
         " Bars are 95 % intervals of the mean, by a block bootstrap over steps like these; which of two labels is "
-        "faster is"
-        " told by their ratio over the same steps, in the table below."
+        "faster is told by their ratio over the same steps, in the table below."
     )
     if floor is not None:
         most = max(floor.high, 1 / floor.low)
@@ -421,8 +198,7 @@ def _draw(points, cost):
     """The figure, what the pointer tells of its marks, and the labels whose names found no room."""
     crowded = len(points) > NAMED
     lines = pareto.sweeps(points) if len(points) else []
-    joined = pareto.relatives(points, cost) if len(points) else []
-    legend = _legend(points, crowded, lines, joined)
+    legend = _legend(points, crowded, lines)
     rows = -(-len(legend) // 3)
     below = MARGIN["bottom"] + 13 * rows + 4
     fig, (main, strip) = figure(
@@ -437,7 +213,7 @@ def _draw(points, cost):
     _axes(main, strip, points, cost)
 
     titles, known = {}, _intervals(points)
-    show = time if cost == "time_mean_ns" else lambda value: f"{number(value)} operations"
+    show = duration if cost == "time_mean_ns" else lambda value: f"{number(value)} operations"
     for row, point in points.iterrows():
         look = style(point.algorithm, point.label)
         axes, y = (strip, 0) if point.error == 0 else (main, point.error)
@@ -458,7 +234,7 @@ def _draw(points, cost):
         titles[gid] = f"{point.label}: error {number(point.error)}, {show(point[cost])}"
         if cost == "time_mean_ns" and known[row]:
             ends = [point.time_mean_low_ns, point.time_mean_high_ns]
-            titles[gid] += f" ({time(ends[0])} to {time(ends[1])})"
+            titles[gid] += f" ({duration(ends[0])} to {duration(ends[1])})"
             ends = np.clip(ends, point[cost] / 1e3, point[cost] * 1e3)
             axes.plot(ends, [y, y], color=look["color"], linewidth=1, solid_capstyle="butt", alpha=0.7, zorder=3)
         axes.plot([point[cost]], [y], gid=gid, **mark)
@@ -474,11 +250,9 @@ def _draw(points, cost):
 
     drawn = []
     for algorithm, _, rows in lines:
-        drawn += _line(main, points, cost, algorithm, rows, "-", 1.3)
-    for algorithm, rows in joined:
-        drawn += _line(main, points, cost, algorithm, rows, (0, (1, 2)), 1)
+        drawn += _line(main, points, cost, algorithm, rows)
     drawn += _front(main, strip, points, cost)
-    nameless = _name(fig, main, strip, points, cost, drawn, crowded, lines, joined)
+    nameless = _name(fig, main, strip, points, cost, drawn, crowded, lines)
     if legend:
         fig.legend(
             handles=legend,
@@ -513,9 +287,9 @@ def _axes(main, strip, points, cost):
     main.set_xlim(low / room, high * room)
     for axis, limits, least, shown in (
         (main.yaxis, main.get_ylim(), 3, lambda v, _: f"{v:g}"),
-        (strip.xaxis, main.get_xlim(), 3, (lambda v, _: time(v)) if cost == "time_mean_ns" else lambda v, _: _short(v)),
+        (strip.xaxis, main.get_xlim(), 3, lambda v, _: duration(v) if cost == "time_mean_ns" else _short(v)),
     ):
-        axis.set_major_locator(_fixed(limits, least))
+        axis.set_major_locator(log_ticks(limits, least))
         axis.set_major_formatter(shown)
         axis.set_minor_locator(NullLocator())
     main.tick_params(axis="x", length=0, labelbottom=False)
@@ -550,7 +324,7 @@ def _short(value):
     return f"{value:g}"
 
 
-def _fixed(limits, least):
+def log_ticks(limits, least):
     """Ticks of a logarithmic axis: powers of ten; more of them until there are `least`."""
     low, high = limits
     decades = range(int(np.floor(np.log10(low))) - 1, int(np.ceil(np.log10(high))) + 1)
@@ -561,11 +335,11 @@ def _fixed(limits, least):
     return FixedLocator(ticks)
 
 
-def _line(axes, points, cost, algorithm, rows, dashes, width):
+def _line(axes, points, cost, algorithm, rows):
     """Draws a line through rows with an error; gives its segments in pixels."""
     rows = [row for row in rows if points.error[row] > 0]
     x, y = points[cost][rows].to_numpy(), points.error[rows].to_numpy()
-    return _stroke(axes, x, y, color=style(algorithm)["color"], linestyle=dashes, linewidth=width, alpha=0.75, zorder=2)
+    return _stroke(axes, x, y, color=style(algorithm)["color"], linestyle="-", linewidth=1.3, alpha=0.75, zorder=2)
 
 
 def _stroke(axes, x, y, **look):
@@ -596,14 +370,12 @@ def _front(main, strip, points, cost):
     return drawn
 
 
-def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
+def _name(fig, main, strip, points, cost, drawn, crowded, lines):
     """Puts names beside marks, tied by a line of the mark's colour where another mark could be meant; gives the labels
     that found no room."""
     named = set(points.index)
     if crowded:
-        ends = [rows[end] for _, _, rows in lines for end in (0, -1)] + [
-            rows[end] for _, rows in joined for end in (0, -1)
-        ]
+        ends = [rows[end] for _, _, rows in lines for end in (0, -1)]
         named = set(points.index[points.front | points.exact | points.library]) | set(ends)
     if not named:
         return []
@@ -635,7 +407,7 @@ def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
     return nameless
 
 
-def _legend(points, crowded, lines, joined):
+def _legend(points, crowded, lines):
     """What the marks mean, as far as they occur."""
 
     def entry(label, **look):
@@ -664,9 +436,8 @@ def _legend(points, crowded, lines, joined):
                 "square: another library", marker="s", markersize=8, markerfacecolor="none", markeredgecolor="#333333"
             )
         )
-    found.append(entry("Pareto front (bold names)", linestyle=(0, (4, 2)), linewidth=1, color="#333333"))
+    if points.front.any():
+        found.append(entry("Pareto front (bold names)", linestyle=(0, (4, 2)), linewidth=1, color="#333333"))
     if lines:
         found.append(entry("one knob, all else equal", linestyle="-", linewidth=1.3))
-    if joined:
-        found.append(entry("one algorithm, other knobs", linestyle=(0, (1, 2)), linewidth=1.2))
     return found
