@@ -190,8 +190,8 @@ def flicker_map(run, _, name):
         title = "No algorithm's answer changes within a contact"
     else:
         worst = changes.idxmax()
-        title = f"{worst} flickers most, {counted(changes[worst], 'change')} within {overall.touching[worst]} passes that "
-        title += "meet; "
+        title = f"{worst} flickers most, {counted(changes[worst], 'change')} within {overall.touching[worst]} passes "
+        title += "that meet; "
         few = len(still)
         title += (f"{few or 'none'} of {len(labels)} algorithms never {verb(few or 1, 'changes its', 'change their')} "
                   "answer within a contact")

@@ -26,7 +26,7 @@ SUMMARY = {  # column of the summary -> its head
     "error": "error",
     "time_mean_ns": "mean time (µs)",
     "time_median_ns": "median time (µs)",
-    "time_p95_ns": "95th percentile (µs)",
+    "time_p95_ns": "p95 (µs)",
     "operations": "operations per step",
     "false_positive": "FP",
     "false_negative": "FN",
@@ -446,7 +446,7 @@ def summary(scene):
     caption = (
         f"{counted(len(points), 'label')}; counts are sums over {counted(scene.runs[0].meta['steps'], 'step')}, in"
         f" which {hits} pairs truly meet. FP, FN: false positives, false negatives. Times are per step, the"
-        " fastest repeat of each. A dash stands for 0/0. "
+        " fastest repeat of each; p95: their 95th percentile. A dash stands for 0/0. "
         f"{timed}"
     )
     knobs = [

@@ -190,7 +190,7 @@ def subset(evidence, one, other):
     has = f"every hit of {letter(one)} is one of {letter(other)}" if not len(only) else (
         f"{letter(one)} reports {counted(len(only), 'pair')} that {letter(other)} does not")
     return (f"{has[:1].upper()}{has[1:]}; {letter(other)} reports {number(len(more))} more, of which {number(true)} "
-            "truly meet.")
+            f"truly {verb(true, 'meets', 'meet')}.")
 
 
 def kinds_of_error(scene, labels, name=""):

@@ -32,12 +32,6 @@ bool is_number(std::string_view text) {
   return error == std::errc() && stop == text.data() + text.size();
 }
 
-bool is_number(std::string_view text) {
-  double value = 0;
-  const auto [stop, error] = geometry::nearest_double(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && stop == text.data() + text.size();
-}
-
 std::string joined(const std::vector<std::string_view>& columns) {
   std::string out;
   for (const std::string_view column : columns) out += (out.empty() ? "" : ",") + std::string(column);

@@ -134,9 +134,9 @@ def test_the_summary_is_that_of_the_file(made, result_file):
     assert [row[0] for row in rows] == list(summary.index)
     for head, column, scale in (
         ("error", "error", 1),
-        ("false positives", "false_positive", 1),
+        ("FP", "false_positive", 1),
         ("mean time (µs)", "time_mean_ns", 1e3),
-        ("false negatives", "false_negative", 1),
+        ("FN", "false_negative", 1),
         ("Matthews", "matthews", 1),
     ):
         shown_there = [float(row[heads.index(head)].replace("\u202f", "").replace("–", "nan")) for row in rows]

@@ -560,8 +560,7 @@ def test_the_part_of_time_per_body_is_told_where_there_are_most():
 def test_whose_hits_are_whose_is_told_either_way():
     more = proof(reported={"facet_triangles": [0], "facet_rotations": [0, 1, 7]})
     told = ("Every hit of I (facet_triangles) is one of U (facet_rotations); U (facet_rotations) reports 2 more, of "
-            "which "
-            "1 truly meet.")
+            "which 1 truly meets.")
     assert causes.subset(more, "facet_triangles", "facet_rotations") == told
     assert causes.subset(more, "facet_rotations", "facet_triangles") == told
     apart = proof(reported={"facet_triangles": [2], "facet_rotations": [0, 1]})
