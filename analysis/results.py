@@ -35,9 +35,9 @@ DRAWN = 12  # labels in a figure: those with the most records
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="scripts/results", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", metavar="FOLDER")
+    parser.add_argument("folder", metavar="FOLDER", help="of the records and their page, index.html")
     parser.add_argument("files", metavar="FILE.h5", nargs="*", help="results to be kept a record of")
-    parser.add_argument("--program", default=default_program())
+    parser.add_argument("--program", default=default_program(), help="the built program (default: %(default)s)")
     chosen = parser.parse_args(arguments)
     try:
         for file in chosen.files:
@@ -212,9 +212,9 @@ def times(table):
 def report(table):
     """The HTML over all records; the same records give the same bytes."""
     commits, machines = table.commit.nunique(), table.machine.nunique()
-    lead = [f"{counted(table.record.nunique(), 'result')} of {counted(table.question.nunique(), 'question')} (motion"
-            f" and truth), by {counted(commits, 'commit')} on {counted(machines, 'machine')},"
-            f" {table.date.iloc[0][:10]} to {table.date.iloc[-1][:10]}."]
+    lead = [f"{counted(table.record.nunique(), 'result')} of {counted(table.question.nunique(), 'question')} (motion "
+            f"and truth), by {counted(commits, 'commit')} on {counted(machines, 'machine')}, {table.date.iloc[0][:10]} "
+            f"to {table.date.iloc[-1][:10]}."]
     sections = []
     for index, (_, mine) in enumerate(table.groupby("question", sort=False), 1):
         sections.append(Section(mine.title.iloc[-1], question(mine, index)))
@@ -233,8 +233,8 @@ def question(table, index):
     said = [
         f"{row.label} from {row['from']} to {row.to} on {row.machine}: "
         + "; ".join(filter(None, [
-            f"{row.time}, {number(row.ratio)} times ({number(row.low)} to {number(row.high)}; noise"
-            f" {number(row.noise)})" if row.time in ("slower", "faster") else "",
+            f"{row.time}, {number(row.ratio)} times ({number(row.low)} to {number(row.high)}; noise "
+            f"{number(row.noise)})" if row.time in ("slower", "faster") else "",
             f"other answers, error {number(row['error before'])} -> {number(row.error)}"
             if row.answers == "changed" else "", row.libraries])) + "."
         for _, row in told.iterrows()]

@@ -37,8 +37,8 @@ def lead(table):
     over = [f"{done[name].nunique()} of {name}" for name in table.attrs["parameters"]]
     words = f"{table.attrs['title']}: {counted(len(done), 'point')}{' over ' + listed(over) if over else ''}"
     return [
-        f"{words}; {int((done.status == 'done').sum())} are done. Sweep “{table.attrs['sweep']}” in"
-        f" {table.attrs['folder']}."
+        f"{words}; {int((done.status == 'done').sum())} are done. Sweep “{table.attrs['sweep']}” in "
+        f"{table.attrs['folder']}."
     ]
 
 

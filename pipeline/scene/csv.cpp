@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <numeric>
-#include <numeric>
 #include <utility>
 
 #include "geometry/text.hpp"
@@ -25,12 +24,6 @@ std::string_view unquoted(std::string_view text) {
   text = trimmed(text);
   if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
   return text;
-}
-
-bool is_number(std::string_view text) {
-  double value = 0;
-  const auto [stop, error] = geometry::nearest_double(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && stop == text.data() + text.size();
 }
 
 bool is_number(std::string_view text) {

@@ -28,16 +28,6 @@ class CsvReader {
   char separator() const { return separator_; }  // ' ' for any blanks
   void name(std::vector<std::string_view> columns);
 
-  /// Columns of any name, with commas, semicolons, tabs or else blanks between them, as the first line has it. Lines
-  /// before it that begin with '#' are comments; the last of them is the header where the first line is of numbers and
-  /// it has as many words. Where there is none either, header() is empty, and `name` names the columns.
-  CsvReader(std::string_view text, std::string file);
-  const std::vector<std::string_view>& header() const { return columns_; }
-  /// Of the first line, whether it is the header or not.
-  std::size_t width() const { return width_; }
-  char separator() const { return separator_; }  // ' ' for any blanks
-  void name(std::vector<std::string_view> columns);
-
   /// Goes on to the next row; false when there is none.
   bool next();
 
@@ -54,7 +44,6 @@ class CsvReader {
 
  private:
   void split(std::string_view line, std::vector<std::string_view>& fields) const;
-  void split_at_blanks(std::string_view line, std::vector<std::string_view>& fields) const;
   void split_at_blanks(std::string_view line, std::vector<std::string_view>& fields) const;
 
   std::string_view rest_;
