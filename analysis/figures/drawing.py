@@ -208,8 +208,8 @@ def other_procedure(run):
 def source(run):
     meta = run.meta
     return (f"{pareto.name(run)}, configuration “{meta.get('title', '')}” (sha256 "
-            f"{meta.get('config_sha256', 'unknown')[:10]}), commit "
-            f"{meta.get('git_commit', '?')[:7]}, {meta.get('run', {}).get('processor', 'unknown processor')}.")
+            f"{meta.get('config_sha256', 'unknown')[:10]}), commit {meta.get('git_commit', '?')[:7]}, "
+            f"{meta.get('run', {}).get('processor', 'unknown processor')}.")
 
 
 def caption(run, what, thesis="", times=True, nine=True):

@@ -169,9 +169,9 @@ def against_collisions(run, kind, key):
     else:
         more = r["physics"] > r[name]
         title = (
-            f"Physics time follows the contacts {'more' if more else 'no more'} closely than collision time "
-            f"({name}) follows its hits, {'as in' if more else 'unlike in'} the thesis "
-            f"(r = {r['physics']:.2f} against {r[name]:.2f})"
+            f"Physics time follows the contacts {'more' if more else 'no more'} closely than collision time ({name}) "
+            f"follows its hits, {'as in' if more else 'unlike in'} the thesis (r = {r['physics']:.2f} against "
+            f"{r[name]:.2f})"
         )
     when = f" over the {steps.full.sum()} steps with all {steps.bodies.max()} bodies" if steps.grows else ""
     what = (

@@ -62,7 +62,6 @@ def beside(tables):
     frame = frame[places.notna().any(axis=1)].sort_values("mean place", kind="stable")
     caption = (
         f"Errors over all steps and the place by error, 1 the least, in {counted(len(tables), 'scene')}. K counts as "
-        f"published, its "
-        "answers do not depend on how they are found."
+        "published, its answers do not depend on how they are found."
     )
     return Table("Errors and places", frame.replace({np.nan: None}) if frame.isna().any(axis=None) else frame, caption)

@@ -246,8 +246,8 @@ def about_sections(runs, found):
     return [*([definitions()] if any(not is_study(run) for run in runs) else []), provenance(runs)]
 
 
-SECTIONS = [findings_sections, choice_sections, verdict_sections, nine_sections, studies_sections, extremes_sections,
-            answers_sections, engines_sections, knobs_sections, thesis_sections, drift_sections, foreign_sections,
+SECTIONS = [findings_sections, choice_sections, engines_sections, verdict_sections, nine_sections, studies_sections,
+            extremes_sections, answers_sections, knobs_sections, thesis_sections, drift_sections, foreign_sections,
             about_sections]
 
 
@@ -498,7 +498,7 @@ def _provenance(run):
     meta = run.meta
     answers = meta["answers"].values()
     libraries = _versions(meta.get("library_versions", "{}"))
-    inputs = _json(meta.get("inputs_sha256", "{}"))
+    inputs = pareto.json_object(meta.get("inputs_sha256", "{}"))
     containment = meta["truth"].get("containment", "ignore")
     if is_study(run):
         of_scene = {"cases": number(len(run.study))}
@@ -536,11 +536,4 @@ def _provenance(run):
 
 
 def _versions(text):
-    return ", ".join(f"{name} {version}" for name, version in _json(text).items())
-
-
-def _json(text):
-    try:
-        return dict(json.loads(text))
-    except (TypeError, ValueError):
-        return {}
+    return ", ".join(f"{name} {version}" for name, version in pareto.json_object(text).items())

@@ -139,9 +139,8 @@ def per_body(evidence, bodies, times, label):
     part = float(np.median(evidence.prepare_ns[label][most]) / max(np.median(times[label][most]), 1))
     if not part > 0.1:
         return ""
-    return (f"With all {number(int(bodies.max()))} bodies there, {number(100 * part)} % of the time of "
-            f"{letter(label)} is "
-            "work on each body alone, which grows with their number and not with its square.")
+    return (f"With all {number(int(bodies.max()))} bodies there, {number(100 * part)} % of the time of {letter(label)} "
+            "is work on each body alone, which grows with their number and not with its square.")
 
 
 def follows(evidence, scene, label, stage, why):
@@ -175,9 +174,8 @@ def truth_comes_late(evidence, steps):
     if not len(evidence.truth):
         return ""
     late = float((evidence.truth.step.to_numpy() >= steps // 2).mean())
-    return (f"Of the pairs that truly meet {number(100 * late)} % come in the second half of this motion: what "
-            f"reports them "
-            "reports more there." if late > LEADS else "")
+    return (f"Of the pairs that truly meet {number(100 * late)} % come in the second half of this motion: what reports "
+            "them reports more there." if late > LEADS else "")
 
 
 def subset(evidence, one, other):

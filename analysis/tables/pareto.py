@@ -85,7 +85,7 @@ def _points(runs):
                     "label": label + how_asked(answers),
                     "algorithm": answers.get("name", label),
                     "file": name(run),
-                    "knobs": _knobs(answers.get("knobs", "{}")),
+                    "knobs": json_object(answers.get("knobs", "{}")),
                     "scope": answers.get("scope", "pair"),
                     "promise": answers.get("promise", "none"),
                     "unit": answers.get("operations_unit", ""),
@@ -158,7 +158,8 @@ def sweeps(points):
     return found
 
 
-def _knobs(text):
+def json_object(text):
+    """What JSON of a file says; an empty dict where it says nothing."""
     try:
         return dict(json.loads(text))
     except (TypeError, ValueError):

@@ -80,8 +80,7 @@ def finding(points, cost):
     if not len(faster):
         return (
             f"{best.label} {least} at {show(best[cost])} and is as fast as {first.label}, {show(first[cost])}, which "
-            "errs"
-            f" {number(first.error)}: no other is worth its cost here"
+            f"errs {number(first.error)}: no other is worth its cost here"
         )
     second = faster.iloc[-1]
     words = (
@@ -135,8 +134,7 @@ def _trust(points):
     floor = pareto.widest(*points.floor) if "floor" in points else None
     words = (
         " Bars are 95 % intervals of the mean, by a block bootstrap over steps like these; which of two labels is "
-        "faster is"
-        " told by their ratio over the same steps, in the table below."
+        "faster is told by their ratio over the same steps, in the table below."
     )
     if floor is not None:
         most = max(floor.high, 1 / floor.low)

@@ -53,9 +53,8 @@ def trade(scene, key):
                 fig.add_artist(Line2D(*ends.T, color=colour, linewidth=0.7, gid=f"of:{label}"))
     caption = (
         f"{scene.title}: {counted(len(points), 'label')}. On the dashed line nothing is missed: whoever may miss "
-        f"nothing chooses "
-        "there, the higher the fewer false positives; times stand in the table, which has those that miss nothing "
-        "first."
+        "nothing chooses there, the higher the fewer false positives; times stand in the table, which has those that "
+        "miss nothing first."
     )
     return Figure(_trade_finding(table), svg_of(fig, titles), caption, table, key)
 
