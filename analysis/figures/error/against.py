@@ -12,6 +12,8 @@ from ..drawing import shortened
 from ..figure import Figure, figure, style, svg_of
 
 NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
+FEW = ("Of so many labels the front, ends of lines, exact methods and libraries are named; the pointer and the numbers"
+       " below tell the others.")
 HEIGHT = 4.7  # inches, without the legend
 MARGIN = {"left": 46, "right": 10, "top": 8, "bottom": 40}  # points
 STRIP = 34  # points: the height of the strip for no error
@@ -40,7 +42,7 @@ def against(scene, points, cost, key, apart=""):
     fig, titles, nameless = _draw(points, cost)
     caption = " ".join(
         filter(None, [_caption(scene, points, cost), _asked(points, cost), apart, _left_out(left_out),
-                      _without_name(nameless)])
+                      _without_name(nameless), FEW if len(points) > NAMED else ""])
     )
     return Figure(finding(points, cost), svg_of(fig, titles), caption, _table(points, cost, scene), key)
 
