@@ -187,7 +187,8 @@ class Job:
             if why:
                 self.again[point.name] = why
         self.plan = {
-            "python": f"env PYTHONPATH={shlex.quote(ABOVE)} {shlex.quote(sys.executable)} -P",  # as scripts/python has it
+            # as scripts/python has it
+            "python": f"env PYTHONPATH={shlex.quote(ABOVE)} {shlex.quote(sys.executable)} -P",
             "module": f"{PACKAGE}.sweep.point",
             "program": program,
             "folder": folder,
