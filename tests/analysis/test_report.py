@@ -1,6 +1,5 @@
 """The report: what its figures say is so, its page stands alone, and of odd results it says what is odd."""
 
-import dataclasses
 import os
 import re
 import shutil
@@ -480,8 +479,8 @@ def test_a_file_that_stands_beside_another_for_its_times_is_no_scene_more(monkey
     assert report_module.own_scenes([whole, beside], found) == [found[0], found[2]]
 
 
-def test_what_is_to_be_minded_of_several_files_is_said_once(result_file):
-    runs = [dataclasses.replace(load(result_file), path=f"{name}.h5") for name in ("one", "two")]
+def test_what_is_to_be_minded_of_several_files_is_said_once(result_file, tmp_path):
+    runs = [load(shutil.copy(result_file, tmp_path / f"{name}.h5")) for name in ("one", "two")]
     for run in runs:
         run.meta["git_commit"] = "0123456789-dirty"
     told = report_module.warnings(runs, [])
