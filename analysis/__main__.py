@@ -40,8 +40,8 @@ def main(arguments=None):
     viewer.add_command(commands)
     for command in commands.choices.values():
         command.add_argument("--unsealed", action="store_true", help="read results although they were changed since "
-                                                                     "they "
-                             "were written, as by own datasets; digests still hold")
+                                                                     "they were written, as by own datasets; digests "
+                                                                     "still hold")
     chosen = parser.parse_args(arguments)
     try:
         with warnings.catch_warnings():

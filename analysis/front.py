@@ -58,11 +58,11 @@ def main(arguments=None):
 def parsed(arguments):
     parser = argparse.ArgumentParser(prog="scripts/front", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("config", metavar="CONFIG")
-    parser.add_argument("-o", "--output", metavar="FRONT.toml", required=True)
+    parser.add_argument("config", metavar="CONFIG", help="the scene that is asked about")
+    parser.add_argument("-o", "--output", metavar="FRONT.toml", required=True, help="the configuration that is made")
     parser.add_argument("--steps", type=int, default=60, help="how many are replayed (60)")
     parser.add_argument("--keep", type=int, default=40, help="labels in FRONT.toml beside the presets, at most (40)")
-    parser.add_argument("--program", default=default_program())
+    parser.add_argument("--program", default=default_program(), help="the built program (default: %(default)s)")
     return parser.parse_args(arguments)
 
 

@@ -40,11 +40,13 @@ GROUPS = ("bodies", "meshes", "motion", "physics", "truth", "results", "answers"
 DIGESTED = ("motion", "truth", "answers")  # carry digests of their own
 TEXTS = {"title", "creator", "git_commit", "build_type", "compiler", "flags", "library_versions", "config_sha256",
          "inputs_sha256", "digest", "digest_algorithm", "effective", "shape", "name", "knobs", "promise", "thesis_key",
-         "operations_unit", "scope", "library", "host", "processor", "build", "date", "containment", "status", "kind"}
+         "operations_unit", "scope", "library", "host", "processor", "build", "date", "containment", "status", "kind",
+         "label", "transport", "command", "files_sha256", "version", "language", "precision", "tests", "licence",
+         "reason"}
 NUMBERS = {"schema_version", "rate", "wall_time_s", "gap_margin", "quaternion_drift", "surface_deviation",
            "contact_deviation", "closed", "ratio", "ratio_low", "ratio_high", "pinned", "setup_ns", "memory_bytes",
-           "memory_greatest_bytes", "outside_share", "outside_greatest"}
-OBJECTS = {"library_versions", "inputs_sha256", "knobs", "shape"}  # JSON
+           "memory_greatest_bytes", "outside_share", "outside_greatest", "threads", "steps_done"}
+OBJECTS = {"library_versions", "inputs_sha256", "files_sha256", "knobs", "shape"}  # JSON
 MEASURED = ("_ns", "_bytes")  # ends of names that no digest counts: clocks and heap
 MOST_NESTED = 32  # levels of it; ours have at most 3
 

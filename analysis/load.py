@@ -477,8 +477,8 @@ def _meta(path, file):
         raise ValueError(f"{path}: is not a result of this program (it has no attribute schema_version)")
     if not isinstance(version, (int, np.integer)) or not 1 <= version <= SCHEMA_VERSION:
         raise ValueError(
-            f"{path}: has schema version {version}, this module reads 1 to {SCHEMA_VERSION}; "
-            "use the analysis/load.py that came with the program that wrote it"
+            f"{path}: has schema version {version}, this module reads 1 to {SCHEMA_VERSION}; use the analysis/load.py "
+            "that came with the program that wrote it"
         )
     answers = file.get("answers", {})
     labels = _names(file, "algorithm")

@@ -11,6 +11,7 @@ Exit codes: 0, 2 the command line's grammar, 4 a file that is no whole result or
 
 import argparse
 import glob
+import itertools
 import json
 import os
 import sys
@@ -34,9 +35,9 @@ DRAWN = 12  # labels in a figure: those with the most records
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="scripts/results", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", metavar="FOLDER")
+    parser.add_argument("folder", metavar="FOLDER", help="of the records and their page, index.html")
     parser.add_argument("files", metavar="FILE.h5", nargs="*", help="results to be kept a record of")
-    parser.add_argument("--program", default=default_program())
+    parser.add_argument("--program", default=default_program(), help="the built program (default: %(default)s)")
     chosen = parser.parse_args(arguments)
     try:
         for file in chosen.files:
@@ -150,7 +151,8 @@ def spread(means):
 
 
 def changes(table):
-    """What changed between commits that follow each other on one machine and build, of one question.
+    """What changed between commits that follow each other on one machine and build, of one question; the same commit
+    with other libraries counts as another.
 
     One row per label, machine and step from a commit to the next: ratio of the mean times with its interval, noise (the
     greatest ratio that is none: of the noise floors of both files, and of runs of the same commit; NaN where there is
@@ -159,9 +161,8 @@ def changes(table):
     """
     rows = []
     for (machine, build, label, knobs), mine in table.groupby(["machine", "build", "label", "knobs"], sort=False):
-        commits = list(dict.fromkeys(mine.commit))
-        for before, after in zip(commits, commits[1:]):
-            old, new = mine[mine.commit == before], mine[mine.commit == after]
+        versions = mine.groupby(["commit", "libraries"], sort=False)
+        for ((before, _), old), ((after, _), new) in itertools.pairwise(versions):
             one, two = new.iloc[-1], old.iloc[-1]
             ratio = _ratio(one, two)
             floors = [max(floor.high, 1 / floor.low) for floor in (one.floor, two.floor) if floor is not None]
@@ -211,9 +212,9 @@ def times(table):
 def report(table):
     """The HTML over all records; the same records give the same bytes."""
     commits, machines = table.commit.nunique(), table.machine.nunique()
-    lead = [f"{counted(table.record.nunique(), 'result')} of {counted(table.question.nunique(), 'question')} (motion"
-            f" and truth), by {counted(commits, 'commit')} on {counted(machines, 'machine')},"
-            f" {table.date.iloc[0][:10]} to {table.date.iloc[-1][:10]}."]
+    lead = [f"{counted(table.record.nunique(), 'result')} of {counted(table.question.nunique(), 'question')} (motion "
+            f"and truth), by {counted(commits, 'commit')} on {counted(machines, 'machine')}, {table.date.iloc[0][:10]} "
+            f"to {table.date.iloc[-1][:10]}."]
     sections = []
     for index, (_, mine) in enumerate(table.groupby("question", sort=False), 1):
         sections.append(Section(mine.title.iloc[-1], question(mine, index)))
@@ -232,8 +233,8 @@ def question(table, index):
     said = [
         f"{row.label} from {row['from']} to {row.to} on {row.machine}: "
         + "; ".join(filter(None, [
-            f"{row.time}, {number(row.ratio)} times ({number(row.low)} to {number(row.high)}; noise"
-            f" {number(row.noise)})" if row.time in ("slower", "faster") else "",
+            f"{row.time}, {number(row.ratio)} times ({number(row.low)} to {number(row.high)}; noise "
+            f"{number(row.noise)})" if row.time in ("slower", "faster") else "",
             f"other answers, error {number(row['error before'])} -> {number(row.error)}"
             if row.answers == "changed" else "", row.libraries])) + "."
         for _, row in told.iterrows()]
@@ -257,33 +258,45 @@ def question(table, index):
 
 def _figure(table, index):
     timed = table[table["mean"].notna()]
-    if timed.empty or timed.groupby(["machine", "label"]).commit.nunique().max() < 2:
+    timed = timed.assign(version=list(zip(timed.commit, timed.libraries)))
+    if timed.empty or timed.groupby(["machine", "label"]).version.nunique().max() < 2:
         return None
     machines = list(dict.fromkeys(timed.machine))
     names = list(timed.label.value_counts(sort=True).index[:DRAWN])
-    commits = list(dict.fromkeys(timed.commit))
+    versions = list(dict.fromkeys(timed.version))
     fig, axes = figure(len(machines), 1, height=1 + 2.4 * len(machines), squeeze=False)
     for axis, machine in zip(axes[:, 0], machines):
         mine = timed[timed.machine == machine]
         for label in names:
-            line = mine[mine.label == label].drop_duplicates("commit", keep="last")
-            at = [commits.index(commit) for commit in line.commit]
+            line = mine[mine.label == label].drop_duplicates("version", keep="last")
+            at = [versions.index(version) for version in line.version]
             axis.plot(at, line["mean"] / 1e3, label=label, **style(line.algorithm.iloc[0] if len(line) else label))
             known = (line.low <= line.high).to_numpy()
             axis.vlines(np.array(at)[known], line.low[known] / 1e3, line.high[known] / 1e3, color="#777777")
         axis.set_yscale("log")
         axis.set_title(machine, loc="left")
         axis.set_ylabel("mean time (µs)")
-        axis.set_xticks(range(len(commits)), [short(commit) for commit in commits], rotation=30, ha="right")
+        axis.set_xticks(range(len(versions)), _ticks(versions), rotation=30, ha="right")
     axes[-1, 0].set_xlabel("commit, by date of its first result")
     axes[0, 0].legend(loc="upper left", bbox_to_anchor=(1.01, 1))
     shown = timed[timed.label.isin(names)]
+    names_of = dict(zip(versions, (text.replace("\n", ", ") for text in _ticks(versions))))
     frame = shown[["machine", "commit", "label", "mean", "low", "high"]].assign(
-        **{column: shown[column] / 1e3 for column in ("mean", "low", "high")})
+        commit=shown.version.map(names_of), **{column: shown[column] / 1e3 for column in ("mean", "low", "high")})
     where = "one machine" if len(machines) == 1 else f"each of {counted(len(machines), 'machine')}"
     title = f"Mean times of {counted(len(names), 'label')} by commit, on {where}"
     caption = "Bars: 95 % intervals. Machines do not compare with each other; each has a panel."
     return Figure(title, svg_of(fig), caption, frame, f"times-{index}")
+
+
+def _ticks(versions):
+    """The commits; of one that stands there before, what is new: its libraries."""
+    texts, seen = [], {}
+    for commit, libraries in versions:
+        new = _libraries(seen[commit], libraries) if commit in seen else ""
+        texts.append(short(commit) + (f"\n{new}" if new else ""))
+        seen[commit] = libraries
+    return texts
 
 
 if __name__ == "__main__":

@@ -289,7 +289,7 @@ Plan plan(const Config& config, const Scene& scene, int threads) {
 
 namespace {
 
-/// What bodies of files are: all in which something looks wrong, of the others so many.
+/// What bodies of files are: all in which something looks wrong, of the others the first.
 std::string facts_text(const std::vector<BodyFacts>& bodies) {
   constexpr std::size_t kMostLines = 40;
   std::string text;

@@ -44,7 +44,7 @@ def cut(content, random):
 
 
 def cases(content, seed, flips, resealed, every=1):
-    """(what, content, whether its seal holds); `every`: of the resealed blocks one in so many."""
+    """(what, content, whether its seal holds); `every`: of the resealed blocks one in that many."""
     generator = random.Random(seed)
     hdf5 = content[: content.rindex(MAGIC)]
     for _ in range(flips):

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "algorithms/contract/prefilter.hpp"
+#include "algorithms/parts/balls_and_boxes.hpp"
 #include "algorithms/parts/convex.hpp"
 #include "algorithms/parts/facet_knobs.hpp"
 #include "geometry/decision/hull.hpp"
@@ -143,28 +144,40 @@ class Cutting {
   std::vector<Vec3> points_;  // #facets
 };
 
+std::size_t stride_of(const Knobs& knobs) { return static_cast<std::size_t>(value_of<std::int64_t>(knobs, "stride")); }
+
 struct FacetGjk {
-  FacetGjk(const Bodies& bodies, const Knobs& knobs) : mesh(bodies.mesh), placed(bodies.size()), is(bodies.size()) {
-    const auto stride = static_cast<std::size_t>(value_of<std::int64_t>(knobs, "stride"));
+  FacetGjk(const Bodies& bodies, const Knobs& knobs)
+      : mesh(bodies.mesh), placed(bodies.size()), is(bodies.size()), alone(is_alone(knobs)) {
     for (const Mesh& one : bodies.meshes) {
-      pieces.push_back(Cutting(one, stride).pieces);
+      pieces.push_back(Cutting(one, stride_of(knobs)).pieces);
       double most = 0;
-      for (const Piece& piece : pieces.back()) most = std::fmax(most, piece.distance);
+      Mesh corners;
+      for (const Piece& piece : pieces.back()) {
+        most = std::fmax(most, piece.distance);
+        const std::vector<Vec3>& of_piece = piece.solid.surface.vertices;
+        corners.vertices.insert(corners.vertices.end(), of_piece.begin(), of_piece.end());
+      }
       reach.push_back(value_of<double>(knobs, "reach") * most);
+      around.push_back(geometry::enclosure(corners));
     }
+    if (alone) rejecting.resize(bodies.size());
     for (std::size_t body = 0; body < bodies.size(); ++body) placed[body].resize(pieces[mesh[body]].size());
   }
 
+  static bool is_alone(const Knobs& knobs) { return value_of<std::string>(knobs, "prefilter") == "none"; }
+
   /// As if all bodies were convex: whether they are is not known from sizes, and pieces are small.
   static Memory memory(const Bodies& bodies, const Knobs& knobs) {
-    const auto stride = static_cast<std::size_t>(value_of<std::int64_t>(knobs, "stride"));
+    const std::size_t stride = stride_of(knobs);
     Memory out =
-        memory_by_body(bodies, sizeof(std::uint32_t) + sizeof(std::vector<PlacedConvex>) + sizeof(PlacedConvex) + 1);
+        memory_by_body(bodies, sizeof(std::uint32_t) + sizeof(std::vector<PlacedConvex>) + sizeof(PlacedConvex) + 1 +
+                                   (is_alone(knobs) ? geometry::BallsAndBoxes::kBytes : 0));
     for (const Mesh& one : bodies.meshes) {
       const std::size_t facets = one.triangles.size(), corners = one.vertices.size();
       const std::size_t making = facets * (sizeof(std::uint32_t) + 4 * sizeof(Vec3));
       out.greatest = std::max(out.greatest, out.held + making + geometry::convex_making_bytes(corners));
-      out.held += sizeof(std::vector<Piece>) + sizeof(double) +
+      out.held += sizeof(std::vector<Piece>) + sizeof(double) + sizeof(geometry::Enclosure) +
                   geometry::convex_bytes(std::min(corners, std::clamp(facets / stride, kLeastPoints, kMostPoints)));
     }
     out.greatest = std::max(out.greatest, out.held);
@@ -174,6 +187,18 @@ struct FacetGjk {
   void prepare(std::span<const Pose> now, double) {
     poses = now;
     std::fill(is.begin(), is.end(), std::uint8_t{0});
+    if (!alone) return;
+    for (std::size_t body = 0; body < poses.size(); ++body) {
+      if (!geometry::is_born(poses[body])) continue;
+      const geometry::Enclosure& all = around[mesh[body]];
+      const geometry::Placement at = geometry::placement(all, poses[body]);
+      // As of the pieces, whose balls and boxes these hold with their margins.
+      const double more = reach[mesh[body]] + 0x1p-44 * (all.reach + at.length);
+      geometry::Box box = geometry::world_box(all, at);
+      box.min.array() -= more;
+      box.max.array() += more;
+      rejecting.set(body, at.middle, all.radius + more, box);
+    }
   }
 
   std::vector<PlacedConvex>& place(std::uint32_t body) {
@@ -188,10 +213,19 @@ struct FacetGjk {
 
   template <class Count>
   bool hit(std::uint32_t a, std::uint32_t b, Count& count) {
+    if (alone && !rejecting.touch(a, b, count)) return false;
     std::uint64_t corners = 0;
     const bool met = meet(place(a), place(b), corners);
     count += corners;
     return met;
+  }
+
+  /// Asked only when no filter is in front.
+  void row(std::uint32_t a, std::uint32_t first, std::uint32_t last, std::uint8_t* out) {
+    rejecting.touch_row(a, first, last, out);
+    std::uint64_t corners = 0;
+    for (std::uint32_t b = first; b < last; ++b)
+      if (out[b - first]) out[b - first] = meet(place(a), place(b), corners);
   }
 
   /// Of several pieces those first that are near the others' box.
@@ -223,11 +257,25 @@ struct FacetGjk {
   std::vector<std::uint32_t> mesh;                // per body
   std::vector<std::vector<Piece>> pieces;         // per distinct mesh
   std::vector<double> reach;                      // likewise, m
+  std::vector<geometry::Enclosure> around;        // likewise, of all pieces
   std::span<const Pose> poses;                    // of the step
   std::vector<std::vector<PlacedConvex>> placed;  // per body, its pieces, when `is` has 1
   std::vector<std::uint8_t> is;
   std::vector<const PlacedConvex*> near_a, near_b;
+  bool alone;                         // no filter is in front
+  geometry::BallsAndBoxes rejecting;  // of the step, when alone
 };
+
+/// The pieces without the reach.
+std::vector<Proxy> proxies(const Bodies& bodies, const Knobs& knobs) {
+  std::vector<Proxy> out;
+  for (const Mesh& mesh : bodies.meshes) {
+    Proxy& proxy = out.emplace_back(Proxy{.kind = Proxy::Kind::solids, .balls = {}, .solids = {}});
+    for (Piece& piece : Cutting(mesh, stride_of(knobs)).pieces)
+      proxy.solids.push_back(geometry::surface_with_facets(std::move(piece.solid)));
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -245,7 +293,8 @@ Algorithm facet_gjk() {
                      .most = 1e3},
                     prefilter_knob()},
           .make = make_filtered<FacetGjk>,
-          .memory = filtered_memory<FacetGjk>};
+          .memory = filtered_memory<FacetGjk>,
+          .proxies = proxies};
 }
 
 }  // namespace algorithms

@@ -8,6 +8,7 @@
 // Cost    Once per mesh the hulls. Per pair that the prefilter leaves some dozens of corners per direction tried, of
 // each two
 //         pieces whose balls touch.
+//         Without a filter a ball and a box around each body, pieces and reach included, reject what is far.
 // Misses  Contact beyond reach of the points, by little; what the prefilter misses.
 // Extra   Bodies nearer than the reach, the hollows of a piece; bodies inside another.
 //

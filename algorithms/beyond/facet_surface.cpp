@@ -131,6 +131,13 @@ struct FacetSurface {
   std::vector<std::uint8_t> is;
 };
 
+std::vector<Proxy> proxies(const Bodies& bodies, const Knobs& knobs) {
+  std::vector<Proxy> out;
+  for (const Mesh& mesh : bodies.meshes)
+    out.push_back({.kind = Proxy::Kind::solids, .balls = {}, .solids = {envelope(mesh, knobs).surface}});
+  return out;
+}
+
 }  // namespace
 
 Algorithm facet_surface() {
@@ -143,7 +150,8 @@ Algorithm facet_surface() {
           .promise = Promise::none,
           .knobs = {stride_knob(), inflate, prefilter_knob()},
           .make = make_filtered<FacetSurface>,
-          .memory = filtered_memory<FacetSurface>};
+          .memory = filtered_memory<FacetSurface>,
+          .proxies = proxies};
 }
 
 }  // namespace algorithms

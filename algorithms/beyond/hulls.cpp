@@ -115,7 +115,7 @@ Algorithm hulls() {
           .knobs = {{.name = "count",
                      .preset = std::int64_t{16},
                      .unit = "1",
-                     .what = "at most so many pieces; 1: the convex hull",
+                     .what = "at most this many pieces; 1: the convex hull",
                      .least = 1,
                      .most = kMostPieces},
                     {.name = "concavity",

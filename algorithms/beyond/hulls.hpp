@@ -2,7 +2,7 @@
 //
 // Source  Convex decomposition, what engines take in place of a concave mesh (V-HACD, CoACD, HACD); here by cutting
 // with
-//         planes (beyond/convex_pieces.hpp). Knobs: `count`, at most so many pieces; `concavity`, when it is enough.
+//         planes (beyond/convex_pieces.hpp). Knobs: `count`, at most that many pieces; `concavity`, when it is enough.
 // Cost    1 distance per pair; of pairs whose tightest balls overlap a GJK for each pair of pieces whose balls overlap.
 //         Made once per mesh: that takes up to a second for a thousand facets.
 // Misses  Nothing that was found: the pieces hold every vertex and every facet, but for the rounding of the corners

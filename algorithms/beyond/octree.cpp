@@ -13,7 +13,7 @@ using geometry::Box;
 using geometry::Vec3;
 
 constexpr char kDepth[] = "depth", kCapacity[] = "capacity", kThen[] = "then";
-constexpr std::size_t kThinned = 4;  // children that hold more than so many times the bodies of a cell gain nothing
+constexpr std::size_t kThinned = 4;  // children that hold more than this many times the bodies of a cell gain nothing
 
 /// Which halves of a cell a body touches: bits 0 to 2 the lower along x, y, z; bits 3 to 5 the upper. What cannot be
 /// compared touches both.
@@ -203,7 +203,7 @@ Algorithm octree() {
           .knobs = {{.name = kDepth,
                      .preset = std::int64_t{6},
                      .unit = "1",
-                     .what = "a cell is cut at most so many times",
+                     .what = "a cell is cut at most this many times",
                      .least = 0,
                      .most = 20},
                     {.name = kCapacity,

@@ -100,7 +100,7 @@ struct Spheres {
   const Bodies& bodies;
   std::vector<Covering> coverings;  // one a distinct mesh
   TouchingBalls whole;
-  std::size_t room;                   // for so many balls a body
+  std::size_t room;                   // for that many balls a body
   std::vector<Ball> parts;            // of the step
   std::vector<std::uint64_t> placed;  // the step at which a body's balls were placed
   std::uint64_t step = 0;
@@ -124,7 +124,7 @@ Algorithm spheres() {
           .knobs = {{.name = "count",
                      .preset = std::int64_t{8},
                      .unit = "1",
-                     .what = "at most so many balls cover a body; 1: the tightest ball",
+                     .what = "at most this many balls cover a body; 1: the tightest ball",
                      .least = 1,
                      .most = kMostBalls}},
           .make = make_pairwise<Spheres>,

@@ -2,7 +2,7 @@
 //
 // Source  The bounding ball and its hierarchies of section 2.1 of the thesis, as engines have them: a few balls in
 // place
-//         of a mesh. Knob count: at most so many; 1: the tightest ball around the vertices.
+//         of a mesh. Knob count: at most that many; 1: the tightest ball around the vertices.
 // Cost    1 distance per pair; of pairs whose tightest balls overlap up to 2 count + count^2 more. The balls of a body
 //         are placed when its first such pair comes. Made once per mesh.
 // Misses  Nothing that meets, nor a body inside a closed one: what is inside is covered too. Touching is a hit, and

@@ -4,8 +4,6 @@ Functions from a Run to tables. A method is somebody else's when its file says s
 asked. In a scene of extremes the place where each begins to err, near the origin and far from it.
 """
 
-import json
-
 import numpy as np
 import pandas as pd
 
@@ -42,7 +40,7 @@ def about(run, label):
         "arithmetic": told.get("precision") or arithmetic,
         "licence": told.get("licence") or licence,
         "asked": told.get("transport") or "in process",
-        "knobs": _knobs(told.get("knobs", "{}")),
+        "knobs": pareto.json_object(told.get("knobs", "{}")),
     }
 
 
@@ -125,10 +123,3 @@ def begins(run):
     table = pd.DataFrame.from_dict(rows, orient="index")
     table.index = pd.MultiIndex.from_tuples(table.index, names=["label", "offset"])
     return table
-
-
-def _knobs(text):
-    try:
-        return dict(json.loads(text))
-    except (TypeError, ValueError):
-        return {}

@@ -41,8 +41,9 @@ def points(run, name):
 
 
 def who(answered):
-    each = [f"{number(len(mine))} by {tests} ({listed(mine.index)})" if tests != engines.NOT_SAID else
-            f"{number(len(mine))} {verb(len(mine), 'does', 'do')} not say by what ({listed(mine.index)})"
+    """The table has which."""
+    each = [f"{number(len(mine))} by {tests}" if tests != engines.NOT_SAID else
+            f"{number(len(mine))} {verb(len(mine), 'does', 'do')} not say by what"
             for tests, mine in answered.groupby("tests", sort=False)]
     return (f"{counted(len(answered), 'label')} of other people's engines {verb(len(answered), 'answers', 'answer')}: "
             f"{'; '.join(each)}.")
@@ -239,31 +240,29 @@ def near_and_far(run):
 
 
 def extremes_points(run, name):
+    """How wrong on boxes, spheres and capsules, by how far from the origin; the table has which way."""
     found, near, far = near_and_far(run)
+    worst = found[["misses", "reports"]].max(axis=1).unstack("offset").loc[found.index.unique("label")]
+    here, there = worst[near], worst[far]
+    always = (worst == 0).all(axis=1)
+    only_there = ~always & (here == 0) & (there > 0)
+    grows = (here > 0) & (there >= 10 * here)
+    rest = (here > 0) & there.notna() & ~grows
+    home = "at the origin" if near == 0 else f"{near:g} m from the origin"
+    away = f"{far:g} m from it in each coordinate"
     told = []
-    labels = list(found.index.get_level_values("label").unique())
-    never = [label for label in labels if (found.loc[label, ["misses", "reports"]] == 0).all(axis=None)]
-    if never:
-        told.append(f"On boxes, spheres and capsules {listed(never)} {verb(never, 'errs', 'err')} at no gap and no "
-                    "offset.")
-    for label in (label for label in labels if label not in never):
-        told.append(f"{label} " + "; ".join(f"{words}: {begin_text(found.loc[(label, offset)])}" for words, offset in (
-            ("near the origin" if near == 0 else f"{near:g} m from the origin", near),
-            (f"{far:g} m from it in each coordinate", far))) + ".")
+    for which, words, text in (
+        (always, "On boxes, spheres and capsules right at every gap and offset", "{label}"),
+        (only_there, f"Right {home}, but not {away}", "{label} (up to {there})"),
+        (grows, f"At least ten times as wrong {away} as {home}", "{label} ({here} near, {there} far)"),
+        (rest, f"As wrong {home} already", "{label} ({here})"),
+        (there.isna(), f"Failed in all cases {away}", "{label}"),
+    ):
+        if which.any():
+            told.append(f"{words}: " + listed([
+                text.format(label=label, here=gap_text(here[label]), there=gap_text(there[label]))
+                for label in worst.index[which]]) + ".")
     return Points(name, told)
-
-
-def begin_text(row):
-    if row["misses"] != row["misses"]:
-        return "it fails in all cases"
-    if row["misses"] == 0 and row["reports"] == 0:
-        return "it is never wrong"
-    both = []
-    if row["misses"] > 0:
-        both.append(f"pairs as deep as {gap_text(row['misses'])} are missed")
-    if row["reports"] > 0:
-        both.append(f"pairs as far apart as {gap_text(row['reports'])} are reported")
-    return " and ".join(both)
 
 
 def extremes_table(run):

@@ -12,7 +12,7 @@ from matplotlib.transforms import ScaledTranslation
 from ..tables import pareto
 from ..tables.scenes import twins
 from ..tables.studies import simulated
-from ..words import listed
+from ..words import listed, verb
 
 MOST_DRAWN = 12  # algorithms in one figure; lines and colours of more are not told apart
 LINE = 19  # letters of a line above a small panel
@@ -200,25 +200,24 @@ def other_procedure(run):
     if not found:
         return ""
     return (
-        f' {listed(found)} is timed in another procedure than the thesis\'s: with search = "indexed" it leaves out '
-        'points '
-        "that surely are not near, where the thesis compared all."
+        f' {listed(found)} {verb(found, "is", "are")} timed in another procedure than the thesis\'s: with search ='
+        ' "indexed" points that surely are not near are left out, where the thesis compared all.'
     )
 
 
 def source(run):
     meta = run.meta
     return (f"{pareto.name(run)}, configuration “{meta.get('title', '')}” (sha256 "
-            f"{meta.get('config_sha256', 'unknown')[:10]}), commit "
-            f"{meta.get('git_commit', '?')[:7]}, {meta.get('run', {}).get('processor', 'unknown processor')}.")
+            f"{meta.get('config_sha256', 'unknown')[:10]}), commit {meta.get('git_commit', '?')[:7]}, "
+            f"{meta.get('run', {}).get('processor', 'unknown processor')}.")
 
 
-def caption(run, what, thesis="", times=True):
+def caption(run, what, thesis="", times=True, nine=True):
     """what: what is drawn and how many (sentences); thesis: the figures of the thesis that it answers; times: whether
-    it draws times, so only those of one machine and build."""
+    it draws times, so only those of one machine and build; nine: whether times of the thesis's nine."""
     config = f"“{run.meta.get('title', '')}” (sha256 {run.meta.get('config_sha256', 'unknown')[:10]})"
-    text = f"{what}{cut(run)}{other_procedure(run) if times else ''} {pareto.name(run)}, configuration {config}, "
-    text += f"{machine(run, times)}."
+    other = other_procedure(run) if times and nine and thesis else ""
+    text = f"{what}{cut(run)}{other} {pareto.name(run)}, configuration {config}, {machine(run, times)}."
     return f"{text} Answers {thesis} of the thesis." if thesis else text
 
 
@@ -229,9 +228,10 @@ def binned(values, reduce, bins=BINS):
     return middle, np.array([reduce(values[a:b], axis=0) for a, b in zip(edges, edges[1:])])
 
 
-def stretch(values):
-    """How many steps are in one point of a line, at most."""
-    return -(-len(values) // BINS)
+def stretch(values, reduced="the median"):
+    """What a caption says of one point of a line over steps: how many of them are in it, at most."""
+    count = -(-len(values) // BINS)
+    return f"each point {reduced} of {count}" if count > 1 else "a point each"
 
 
 def stretches(columns, reduce, count=10):

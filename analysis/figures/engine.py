@@ -82,24 +82,34 @@ def parts_of_a_step(run, kind, key):
     """Collision, physics and total time over the steps."""
     steps, columns, physics = parts(run)
     physics_ns = physics.time_ns.to_numpy(dtype=float)
-    lines = {label: (steps.time_ns[:, i], style(algorithm(run, label), label)) for label, i in columns.items()}
+    ours = {label: (steps.time_ns[:, i], style(algorithm(run, label), label)) for label, i in columns.items()}
     label = first_label(columns)
-    contact_ns = physics.contact_time_ns.to_numpy(dtype=float)
-    lines["contacts in it"] = (contact_ns, {"color": PALETTE["sky"], "linestyle": ":"})
-    lines["physics"] = (physics_ns, PHYSICS)
-    lines["total"] = (physics_ns + steps.time_ns[:, columns[label]], {"color": PALETTE["black"], "linestyle": "--"})
-    fig, axes = figure(height=4.2)
-    ends = []
-    lines = {name: line for name, line in lines.items() if line[0][1:].any()}
-    for name, (values, look) in lines.items():
-        middle, times = binned(values[1:] / 1e9, np.median)
-        axes.plot(middle + 1, times, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)
-        ends.append((times[-1], name, look))
-    log_seconds(axes)
-    axes.set_xlabel("step")
-    axes.set_ylabel("time per step")
-    axes.margins(x=0.01)
-    label_ends(axes, ends)
+    total_ns = physics_ns + steps.time_ns[:, columns[label]]
+    contacts = (physics.contact_time_ns.to_numpy(dtype=float), {"color": PALETTE["sky"], "linestyle": ":"})
+    drawn = {  # on axes of their own: physics takes hundreds of times as long as collisions
+        "collision": ours,
+        "physics": {"contacts in it": contacts, "physics": (physics_ns, PHYSICS)},
+        "total": {"total": (total_ns, {"color": PALETTE["black"], "linestyle": "--"})},
+    }
+    fig, panels_ = figure(len(drawn), 1, height=1.5 * len(drawn) + 0.4, sharex=True, squeeze=False)
+    lines = {}
+    for axes, (what, parts_) in zip(panels_[:, 0], drawn.items()):
+        parts_ = {name: line for name, line in parts_.items() if line[0][1:].any()}
+        ends, top = [], 0.0
+        for name, (values, look) in parts_.items():
+            middle, times = binned(values[1:] / 1e9, np.median)
+            axes.plot(middle + 1, times, **look, markevery=(len(middle) // 12, max(1, len(middle) // 6)), markersize=5)
+            ends.append((times[-1], name, look))
+            top = max(top, times.max())
+        axes.set_ylim(0, 1.1 * top if top else 1)
+        axes.set_ylabel(what)
+        axes.yaxis.set_major_locator(MaxNLocator(4))
+        axes.margins(x=0.01)
+        seconds(axes.yaxis)
+        label_ends(axes, ends)
+        lines |= parts_
+    panels_[-1, 0].set_xlabel("step")
+    fig.align_ylabels()
 
     all_there = steps.full & (np.arange(len(steps.full)) > 0)
     rows = {
@@ -118,12 +128,13 @@ def parts_of_a_step(run, kind, key):
         f"times; physics takes {digits(whole['mean ns'] / collision['mean ns'])} times as long"
     )
     what = (
-        "Collision: Cannon's phases in C++ on all pairs of a step; physics: Simbody's integration since the step "
+        "Time of a step, each part on an axis of its own. Collision: Cannon's phases in C++ on all pairs; "
+        "physics: Simbody's integration since the step "
         f"before, its own search for contacts and their forces included; total: physics and {label}. "
-        f"n = {len(steps.hits) - 1} steps, each point the median of {stretch(steps.hits)}; spread over the "
+        f"n = {len(steps.hits) - 1} steps, {stretch(steps.hits)}; spread over the "
         f"{all_there.sum()} steps with all bodies there.{timing_note(run)}"
     )
-    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 0)), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 0), nine=False), table, key)
 
 
 def against_collisions(run, kind, key):
@@ -158,16 +169,16 @@ def against_collisions(run, kind, key):
     else:
         more = r["physics"] > r[name]
         title = (
-            f"Physics time follows the contacts {'more' if more else 'no more'} closely than collision time "
-            f"({name}) follows its hits, {'as in' if more else 'unlike in'} the thesis "
-            f"(r = {r['physics']:.2f} against {r[name]:.2f})"
+            f"Physics time follows the contacts {'more' if more else 'no more'} closely than collision time ({name}) "
+            f"follows its hits, {'as in' if more else 'unlike in'} the thesis (r = {r['physics']:.2f} against "
+            f"{r[name]:.2f})"
         )
     when = f" over the {steps.full.sum()} steps with all {steps.bodies.max()} bodies" if steps.grows else ""
     what = (
         f"A dot per step, n = {len(steps.hits) - 1}; r is Pearson's correlation{when}. The slowest 0.5 % may lie "
         f"above a panel; panels have axes of their own.{timing_note(run)}"
     )
-    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 1)), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 1), nine=False), table, key)
 
 
 def against_bodies(run, kind, key):
@@ -205,7 +216,7 @@ def against_bodies(run, kind, key):
         f"Median time over the steps with as many bodies, n = {len(steps.hits) - 1} steps; beside a name the exponent "
         f"fitted to the logarithms from {t.SQUARE_FROM} bodies on.{timing_note(run)}"
     )
-    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 2)), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 2), nine=False), table, key)
 
 
 def per_collision(run, kind, key):
@@ -262,7 +273,7 @@ def per_collision(run, kind, key):
         "Collision time over the pairs that the same algorithm reports, physics time over the integrator's contacts; "
         f"n = {len(number) - 1} steps, those without a collision left out, each point a median.{timing_note(run)}"
     )
-    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 3)), table, key)
+    return Figure(title, svg_of(fig), caption(run, what, thesis(kind, 3), nine=False), table, key)
 
 
 def median_of_some(values):

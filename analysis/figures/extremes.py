@@ -113,11 +113,11 @@ def gap_figure(run, key):
     hidden = int(table["cases"][close & ~table["gap_class"].str.endswith(" ulp")].sum() / max(1, len(labels)))
     caption = (
         f"Share of wrong answers among {number(everything)} cases of each algorithm; a full row's height is 100 %, any "
-        "error has a visible foot; cases in which it failed are left out. Shaded: within "
-        f"1000 ulps of touching, {number(apart)} cases, counted apart; {number(hidden)} of them are decades so small "
-        "that they are within 1000 ulps at their offset, and "
-        "are not in the bars. Deep inside, a body may lie wholly in the other or beyond it: no surfaces meet there, "
-        f"and a hit is a false positive. A cross: the algorithm failed in all cases of the class. {source(run)}"
+        "error has a visible foot; cases in which it failed are left out. Shaded: within 1000 ulps of touching, "
+        f"{number(apart)} cases, counted apart; {number(hidden)} of them are decades so small that they are within "
+        "1000 ulps at their offset, and are not in the bars. Deep inside, a body may lie wholly in the other or beyond "
+        "it: no surfaces meet there, and a hit is a false positive. A cross: the algorithm failed in all cases of the "
+        f"class. {source(run)}"
     )
     return Figure(gap_title(table, labels), svg_of(fig), caption, table.drop(columns="error").reset_index(drop=True),
                   key)
@@ -200,9 +200,8 @@ def by_figure(run, word, unit, make, key):
     caption = (
         "Error (FP + FN) / (TP + FP + FN) in percent, over the "
         f"{number(int(away['cases'].sum() / max(1, len(labels))))} cases of each algorithm that are not within 1000 "
-        "ulps of "
-        f"touching{like_text(word) if like else ''}; those within are in the numbers below. F: failed in all cases; *: "
-        f"failed in some, which are not counted. {source(run)}"
+        f"ulps of touching{like_text(word) if like else ''}; those within are in the numbers below. F: failed in all "
+        f"cases; *: failed in some, which are not counted. {source(run)}"
     )
     told = like or not unit or len(values) == 1
     title = (by_title(away, name, word, unit, heads) if told
@@ -247,7 +246,6 @@ def instability_table(run):
     failed = list(dict.fromkeys(table.index[table["failed"] > 0].get_level_values("algorithm")))
     title += (f"; {listed(failed)} {verb(failed, 'fails', 'fail')} in {number(int(table['failed'].sum()))} cases"
               if failed else "; none fails")
-    caption = ("Cases that did not fail; a move is by an exactly representable step, and cases in which it changes "
-               "the truth (rounding of the world's vertices) are apart. "
-               f"{source(run)}")
+    caption = ("Cases that did not fail; a move is by an exactly representable step, and cases in which it changes the "
+               f"truth (rounding of the world's vertices) are apart. {source(run)}")
     return Table(title, frame.set_index("algorithm"), caption)

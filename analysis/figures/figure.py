@@ -250,7 +250,7 @@ def svg_of(fig, titles=None):
     the others start with a digest of the content, so several figures live on one page.
     titles: gid of an artist -> text that a browser shows when the pointer is over it. A text with the gid "halo" or
     "halo:LABEL" stands on white, so lines below it do not hurt. An artist with the gid "of:LABEL" is of that label:
-    the page highlights all that is of one.
+    the page highlights all that is of one. "row:LABEL" is the name of a map's row, which the page keeps in sight.
     """
     with plt.rc_context(SETTINGS):
         drawn, png = io.StringIO(), io.BytesIO()
@@ -269,8 +269,10 @@ def svg_of(fig, titles=None):
             value = element.attrib.pop(key)
             element.set(_name(key), "".join(value.split()) if value.startswith("data:") else value)
         gid = element.get("id")
-        if gid and gid.startswith("of:"):
-            element.set("data-of", gid.removeprefix("of:"))
+        if gid and gid.startswith(("of:", "row:")):
+            element.set("data-of", gid.partition(":")[2])
+        if gid and gid.startswith("row:"):
+            element.set("class", "row")
         if gid in (titles or {}):
             del element.attrib["id"]
             title = ElementTree.Element("title")

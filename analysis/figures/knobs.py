@@ -114,7 +114,7 @@ def one(scene, algorithm, points, others, key):
     if exact is not None:
         axes.axvline(exact.time_mean_ns / 1e9, color=PALETTE["black"], linestyle=(0, (4, 2)), linewidth=1)
         axes.text(exact.time_mean_ns / 1e9, 0.02, f" {exact.label}: no "
-                                                  f"error", fontsize=9, transform=axes.get_xaxis_transform(),
+                                                  "error", fontsize=9, transform=axes.get_xaxis_transform(),
                   gid=f"halo:{exact.label}")
     log_seconds(axes, "x")
     low, high = axes.get_xlim()
@@ -137,9 +137,8 @@ def one(scene, algorithm, points, others, key):
                             "false positives": points.false_positive.astype("int64"),
                             "mean time (µs)": points.time_mean_ns / 1e3, "on the front": front})
     caption = (
-        f"{scene.title}: {counted(len(points), 'setting')} of {algorithm}; lines join settings that differ in one "
-        f"knob alone; names "
-        f"say in what a setting differs from the usual ({text}). The dashed line is the price of no error."
+        f"{scene.title}: {counted(len(points), 'setting')} of {algorithm}; lines join settings that differ in one knob "
+        f"alone; names say in what a setting differs from the usual ({text}). The dashed line is the price of no error."
     )
     return Figure(title, svg_of(fig, titles), caption, table.sort_values("error", ignore_index=True), key)
 
@@ -256,7 +255,6 @@ def matrix(scene, points, key):
     caption = (
         f"{scene.title}: {counted(len(pairs), 'pair')} of {counted(len(filters), 'filter')} and "
         f"{counted(len(methods), 'method')}. A cell: error (its colour, dark is worse) and mean time of a step; "
-        f"“none”: no filter. "
-        f"Methods: {listed(methods)}, each with its usual knobs."
+        f"“none”: no filter. Methods: {listed(methods)}, each with its usual knobs."
     )
     return Figure(title, svg_of(fig, titles), caption, table, key)

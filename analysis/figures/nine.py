@@ -7,7 +7,7 @@ from .figure import Points, Section, Table
 
 from ..tables import pareto
 from ..tables.clauses import KEYS
-from ..words import duration, number
+from ..words import counted, duration, number
 
 NINE = list(KEYS.values())
 
@@ -61,8 +61,7 @@ def beside(tables):
     frame["mean place"] = places.mean(axis=1)
     frame = frame[places.notna().any(axis=1)].sort_values("mean place", kind="stable")
     caption = (
-        f"Errors over all steps and the place by error, 1 the least, in {number(len(tables))} scenes. K counts as "
-        f"published, its "
-        "answers do not depend on how they are found."
+        f"Errors over all steps and the place by error, 1 the least, in {counted(len(tables), 'scene')}. K counts as "
+        "published, its answers do not depend on how they are found."
     )
     return Table("Errors and places", frame.replace({np.nan: None}) if frame.isna().any(axis=None) else frame, caption)

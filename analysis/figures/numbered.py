@@ -72,7 +72,7 @@ def one(run, kind, letter, published=None):
     what = (
         f"Time for all pairs of a step, pairs reported (the grey area: pairs that truly "
         f"meet){' and bodies' if steps.grows else ''} "
-        f"over the steps; n = {len(hits)} steps, each point of {stretch(hits)}."
+        f"over the steps; n = {len(hits)} steps, {stretch(hits, 'the median or mean')}."
     )
     if timed != label:
         what += f" The time is that of {timed}, the thesis's procedure with the same answers."

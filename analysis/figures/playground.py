@@ -8,7 +8,7 @@ from matplotlib.patches import Rectangle
 from ..tables import thresholds as t
 from .drawing import NotDrawn, caption, key, shortened
 from .figure import Figure, figure, svg_of
-from ..words import listed, verb
+from ..words import counted, listed, verb
 
 # Late is orange, early is purple (ColorBrewer's PuOr, told apart by colour-blind readers); the words' own steps.
 EDGES = [-np.inf, -t.TOO_EARLY_M, -t.SLIGHT_M, -t.EXACT_M, t.EXACT_M, t.SLIGHT_M, t.TOO_EARLY_M, np.inf]
@@ -190,8 +190,11 @@ def flicker_map(run, _, name):
         title = "No algorithm's answer changes within a contact"
     else:
         worst = changes.idxmax()
-        title = f"{worst} flickers most, {changes[worst]} changes within {overall.touching[worst]} passes that meet; "
-        title += f"{len(still)} of {len(labels)} algorithms never change their answer within a contact"
+        title = f"{worst} flickers most, {counted(changes[worst], 'change')} within {overall.touching[worst]} passes "
+        title += "that meet; "
+        few = len(still)
+        title += (f"{few or 'none'} of {len(labels)} algorithms never {verb(few or 1, 'changes its', 'change their')} "
+                  "answer within a contact")
     text = (
         "Changes of an algorithm's answer between neighbouring samples that both truly meet, over all passes through "
         f"an obstacle; n = {passes.number.nunique()} passes and {len(labels)} algorithms. One that never reports never "
@@ -211,6 +214,8 @@ def grid(run, labels, columns):
     axes.xaxis.tick_top()
     named = [f"{key(run, label)} {text}".strip() for label, text in shortened(labels, 24).items()]
     axes.set_yticks(np.arange(len(labels)) + 0.5, named)
+    for text, label in zip(axes.get_yticklabels(), labels):
+        text.set_gid(f"row:{label}")
     axes.tick_params(length=0, labelsize=8)
     axes.grid(visible=False)
     axes.spines[:].set_visible(False)

@@ -28,7 +28,7 @@ from .drawing import (
     stretches,
 )
 from .figure import PALETTE, Figure, figure, style, svg_of
-from ..words import duration, listed
+from ..words import duration, listed, plural
 
 THESIS = {"box": "figures 5.5 to 5.13", "falling": "figures 5.17 to 5.25"}
 TRUTH = "#DADADA"
@@ -94,8 +94,8 @@ def time_per_step(run, kind, key):
         )
     when = " with all bodies there" if steps.grows else ""
     what = (
-        f"Time of an algorithm for all pairs of a step, preparation included; n = {len(steps.hits)} steps, each point "
-        f"the median of {stretch(steps.hits)}. Spread is over the {steps.full.sum()} steps{when}.{left_out(run)}"
+        f"Time of an algorithm for all pairs of a step, preparation included; n = {len(steps.hits)} steps, "
+        f"{stretch(steps.hits)}. Spread is over the {steps.full.sum()} steps{when}.{left_out(run)}"
     )
     return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, "")), table, key)
 
@@ -145,7 +145,7 @@ def hits_per_step(run, kind, key):
     table = table.join(stretches(each, np.mean).add_prefix("mean, "))
     total = total[drawn]
     if not total.sum():
-        title = f"No algorithm reports anything; {meet:.0f} pairs meet"
+        title = f"No algorithm reports anything; {meet:.0f} {plural(meet, 'pair meets', 'pairs meet')}"
     else:
         most, fewest = total.idxmax(), total.idxmin()
 
@@ -156,8 +156,8 @@ def hits_per_step(run, kind, key):
         title += "those that meet" if meet else "though none meet"
         title += f"; {fewest} the fewest, {share(fewest)}" if most != fewest else ""
     what = (
-        f"Pairs reported at a step; the grey area ends at the pairs that truly meet; n = {len(steps.hits)} steps, each "
-        f"point the mean of {stretch(steps.hits)}. The axis is linear below 1.{left_out(run, times=False)}"
+        f"Pairs reported at a step; the grey area ends at the pairs that truly meet; n = {len(steps.hits)} steps, "
+        f"{stretch(steps.hits, 'the mean')}. The axis is linear below 1.{left_out(run, times=False)}"
     )
     table = table.astype({"hits": int}).rename_axis("algorithm")
     return Figure(title, svg_of(fig), caption(run, what, THESIS.get(kind, ""), times=False), table, key)

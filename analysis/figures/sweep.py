@@ -37,8 +37,8 @@ def lead(table):
     over = [f"{done[name].nunique()} of {name}" for name in table.attrs["parameters"]]
     words = f"{table.attrs['title']}: {counted(len(done), 'point')}{' over ' + listed(over) if over else ''}"
     return [
-        f"{words}; {int((done.status == 'done').sum())} are done. Sweep “{table.attrs['sweep']}” in"
-        f" {table.attrs['folder']}."
+        f"{words}; {int((done.status == 'done').sum())} are done. Sweep “{table.attrs['sweep']}” in "
+        f"{table.attrs['folder']}."
     ]
 
 
@@ -94,9 +94,14 @@ def findings(table):
         changing, pairs = sweeps.undecided(rows, column)
         if not pairs:
             continue
+        # Equal errors are no other order; times that tell no difference leave it open.
+        left_open = sweeps.untold(rows, column) if column == "time_mean_ns" else 0
         text = (
-            f"Who {does} is the same at every point for {pairs - len(changing)} of {counted(pairs, 'pair')} of labels"
+            f"Who {does} is the same at every point for {pairs - len(changing) - left_open} of"
+            f" {counted(pairs, 'pair')} of labels"
         )
+        if left_open:
+            text += f", and not told at every point for {left_open}"
         some = "; ".join(
             f"{a} than {b} at {one} of {of}"
             for a, b, one, _, of in sorted(changing, key=lambda pair: pair[2] / pair[4])[:3]

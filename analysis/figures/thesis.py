@@ -5,13 +5,12 @@ the others are named. Every figure is of one file, its times of one machine and 
 named.
 """
 
-import re
 from dataclasses import replace
 
 from . import engine as engine_figures, numbered, playground as playground_map, steps as step_figures
 from ..tables import pareto, scenes
 from .drawing import NotDrawn, guarded, key, simulated
-from .figure import Figure, Section
+from .figure import Figure, Section, slug
 from .thesis_tables import TABLE, in_javascript, languages_figure, means_figure, statements_part
 from ..tables.sentences import FIGURES as CZECH
 from ..tables.statements import PUBLISHED
@@ -83,7 +82,7 @@ def section_of(run, kind, number, notes, published=None, first=True):
     thesis's
     procedures; first: of its kind, whose figures have the thesis's numbers."""
     title = NAMES.get(kind, ("Step by step", ""))[0]
-    slug = re.sub(r"[^a-z0-9]+", "-", pareto.name(run).lower()).strip("-")
+    place = slug(pareto.name(run))
     if kind == "playground":
         figures = playground_map.FIGURES
     else:
@@ -92,7 +91,7 @@ def section_of(run, kind, number, notes, published=None, first=True):
         figures = [*figures, ("C++ beside JavaScript", languages_figure)]
     parts = []
     for name, make in figures:
-        anchor = f"thesis-{number}-{slug}-{make.__name__.replace('_', '-')}"
+        anchor = f"thesis-{number}-{place}-{make.__name__.replace('_', '-')}"
         more = [published] if make is means_figure else []
         part = guarded(name, make, run, kind, anchor, *more)
         if first and isinstance(part, Figure) and (known := ANCHORS.get(kind, {}).get(make, "figure-")) != "figure-":

@@ -191,8 +191,7 @@ def _means_caption(table, run, published):
     text = (
         "Two machines on one axis: the thesis's means come from its own computer and browser and scenes of its own "
         f"length, so only orders and ratios say something. n = {len(table)} algorithms, {run.meta['steps']} steps; "
-        f"numbers "
-        "at the right are the thesis's time over that of the same procedure in C++."
+        "numbers at the right are the thesis's time over that of the same procedure in C++."
     )
     if published is not None and table.timed.str.contains(" steps)", regex=False).any():
         slow = table.index[table.timed.str.contains(" steps)", regex=False)]
@@ -289,11 +288,10 @@ def statements_part(scenes, notes=()):
     letters = ", ".join(f"{letter} {label}" for letter, label in KEYS.items())
     text = (
         f"{letters}. What words such as “slightly” mean is a number of analysis/tables/thresholds.py, fixed before "
-        "there were "
-        f"results: early and late count from {t.EXACT_M} m on, “slightly” ends at {t.SLIGHT_M} m, “too early” begins "
-        f"at {t.TOO_EARLY_M} m. A near miss is within {100 * t.NEAR:g} % of what was needed, or one pass or sample "
-        f"from it. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. "
-        "Times are ratios, the rest shares of 1 unless a unit is named."
+        f"there were results: early and late count from {t.EXACT_M} m on, “slightly” ends at {t.SLIGHT_M} m, “too "
+        f"early” begins at {t.TOO_EARLY_M} m. A near miss is within {100 * t.NEAR:g} % of what was needed, or one pass "
+        f"or sample from it. Careful: the labels …{CAREFUL}, with dense meshes and no prefilter that misses. Times are "
+        "ratios, the rest shares of 1 unless a unit is named."
     )
     return Verdicts(title, found, " ".join([text, *notes]))
 

@@ -26,11 +26,14 @@ function show(view) {
     entries[i].classList.toggle("here", each === view);
     entries[i].querySelector("b a").toggleAttribute("aria-current", each === view && !every);
   });
+  document.querySelector(".main").classList.toggle("within", !every && view !== views[0]);
   dispatchEvent(new Event("viewed"));
 }
 function follow() {
   const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
   const view = target && target.closest(".view");
+  const fold = target && target.querySelector(":scope > details");
+  if (fold && target.matches(".verdict")) fold.open = true;
   if (view) { show(view); target.scrollIntoView(); } else if (!target) show(views[0]);
 }
 const everything = document.getElementById("everything");
@@ -105,6 +108,23 @@ addEventListener("click", event => {
 });
 addEventListener("keydown", event => { if (event.key === "Escape" && lit.pinned) pin(lit.pinned); });
 
+// ---- Names of a map's rows stay in sight when it scrolls within itself.
+for (const place of all(".picture")) {
+  const svg = place.querySelector("svg"), names = all("svg .row", place);
+  if (!names.length) continue;
+  const make = name => document.createElementNS(svg.namespaceURI, name), stay = make("g"), behind = make("rect");
+  stay.append(behind, ...names);
+  svg.append(stay);
+  behind.setAttribute("fill", "#fff");
+  place.addEventListener("scroll", () => {
+    const moved = place.scrollLeft * svg.viewBox.baseVal.width / svg.getBoundingClientRect().width;
+    stay.setAttribute("transform", `translate(${moved})`);
+    behind.setAttribute("width", 0);
+    const { x, y, width, height } = stay.getBBox();
+    for (const [name, length] of Object.entries({ y: y - 12, height: height + 24, width: moved && x + width + 3 })) behind.setAttribute(name, length);
+  });
+}
+
 // ---- Files of figures.
 function save(name, content, type) {
   const link = document.createElement("a");
@@ -144,8 +164,14 @@ for (const button of all("figure [data-save]")) button.addEventListener("click",
 // ---- Verdicts of one kind.
 for (const group of all(".filters")) {
   group.hidden = false;
-  for (const button of all("button", group)) button.addEventListener("click", () => {
-    for (const other of all("button", group)) other.setAttribute("aria-pressed", other === button);
+  const unfold = group.querySelector(".unfold"), kinds = all("button[data-word]", group);
+  unfold.addEventListener("click", () => {
+    const open = unfold.getAttribute("aria-pressed") !== "true";
+    unfold.setAttribute("aria-pressed", open);
+    for (const fold of all(".verdict > details", group.parentElement)) fold.open = open;
+  });
+  for (const button of kinds) button.addEventListener("click", () => {
+    for (const other of kinds) other.setAttribute("aria-pressed", other === button);
     for (const verdict of all(".verdict", group.parentElement))
       verdict.hidden = !!button.dataset.word && !verdict.classList.contains(button.dataset.word);
   });

@@ -23,6 +23,8 @@ LONG = 40  # characters: texts that are given room to be read in lines
 SHORT = 26  # characters: texts that do not break
 LONG_HEAD = 28  # characters: heads of rows that may break
 TALL = 60  # rows: longer tables scroll within themselves
+WIDE = 11  # columns: tables of more are set smaller
+SHOWN = 2  # clauses of a verdict that are told while it is folded
 SMALL = 9  # points: a picture with smaller text is not shrunk to a phone's width, it scrolls within itself
 
 
@@ -82,6 +84,7 @@ def _verdict(verdict, anchors):
     """A verdict as its macro takes it: links lead to figures that the page has."""
     word, _, why = verdict.verdict.partition(": ")
     return {
+        "fell": _fell(verdict.clauses) if word == "refuted" else "",
         "key": f"statement-{verdict.number}{'-careful' if verdict.variant else ''}",
         "number": f"{verdict.number}{' careful' if verdict.variant else ''}",
         "word": word, "near": verdict.near, "why": why, "text": spelled(verdict.text), "czech": verdict.czech,
@@ -90,6 +93,13 @@ def _verdict(verdict, anchors):
         "see": [(key, NAMES.get(key) or key.replace("-", " ", 1).replace("-",
             ".")) for key in verdict.see if key in anchors],
     }
+
+
+def _fell(clauses):
+    """What fails, in a line: "H / G: 0.411, needed > 1"."""
+    found = [f"{each.what}: {value(each.measured)}, needed {each.needed}" for each in clauses if each.holds is False]
+    more = f"; and {counted(len(found) - SHOWN, 'clause')} more" if len(found) > SHOWN else ""
+    return f"Measured {'; '.join(found[:SHOWN])}{more}." if found else ""
 
 
 def dense(svg):
@@ -112,6 +122,7 @@ def table(frame, title):
     return {
         "title": title,
         "tall": len(frame) > TALL,
+        "wide": frame.shape[1] > WIDE,
         "sortable": len(frame) > 2,
         "heads": [(_head(frame.index.name or ""), False), *zip(map(_head, frame.columns), numeric)],
         "rows": [("long" if len(head) > LONG_HEAD else "", head, cells) for head, *cells in zip(heads, *columns)],

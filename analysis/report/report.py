@@ -25,21 +25,16 @@ from ..words import counted, listed, number, verb
 SUMMARY = {  # column of the summary -> its head
     "error": "error",
     "time_mean_ns": "mean time (µs)",
-    "time_mean_low_ns": "from (µs)",
-    "time_mean_high_ns": "to (µs)",
     "time_median_ns": "median time (µs)",
-    "time_p95_ns": "95th percentile (µs)",
-    "setup_ns": "set-up (µs)",
-    "memory_bytes": "memory (KiB)",
-    "memory_greatest_bytes": "most memory (KiB)",
+    "time_p95_ns": "p95 (µs)",
     "operations": "operations per step",
-    "false_positive": "false positives",
-    "false_negative": "false negatives",
-    "contained_hit": "contained hits",
+    "false_positive": "FP",
+    "false_negative": "FN",
     "hits": "hits",
     "precision": "precision",
     "recall": "recall",
     "matthews": "Matthews",
+    "contained_hit": "contained hits",
 }
 
 
@@ -83,7 +78,8 @@ def report(runs):
 
 def parts_of(runs):
     """Title, lead, warnings and sections of a report on `runs`."""
-    titles = " / ".join(dict.fromkeys(pareto.title(run) for run in runs))
+    beside = companions(runs)
+    titles = " / ".join(dict.fromkeys(pareto.title(run) for run in runs if not any(run is b for b in beside)))
     lost = failures(runs)
     completed = [run.completed() for run in runs]
     found = pareto.scenes(completed)
@@ -170,7 +166,8 @@ def sweep_parts(table):
 # is a
 # line here. Section.scene says in which view it stands: "" in the overview, a scene's title, or ABOUT.
 def findings_sections(runs, found):
-    return [part for part in [findings.section(runs)] if part]
+    beside = companions(runs)
+    return [part for part in [findings.section([run for run in runs if not any(run is b for b in beside)])] if part]
 
 
 def answers_sections(runs, found):
@@ -193,17 +190,28 @@ def extremes_sections(runs, found):
     return extremes_figures.sections([run for run in runs if not is_study(run)])
 
 
+def own_scenes(runs, found):
+    """Without files that stand beside another of their scene for its times alone: they are no scene more."""
+    beside = companions(runs)
+    return [scene for scene in found if not all(any(run is other for other in beside) for run in scene.runs)]
+
+
+def companions(runs):
+    return list(scenes.companions(usual(runs)).values())
+
+
 def usual(runs):
     return [run for run in runs if not is_study(run) and not is_extremes(run)]
 
 
 def drift_sections(runs, found):
-    return study_figures.sections(usual(runs), runs)
+    beside = companions(runs)
+    return study_figures.sections([run for run in usual(runs) if not any(run is other for other in beside)], runs)
 
 
 def verdict_sections(runs, found):
-    """Of scenes; of a study or of extremes alone there is nothing to say."""
-    if not usual(runs) and any(is_study(run) or is_extremes(run) for run in runs):
+    """Of the thesis's scenes; of other files alone there is nothing to say."""
+    if not any(thesis_figures.kind_of(run) in thesis_figures.NAMES for run in usual(runs)):
         return []
     chosen, notes, beside = thesis_figures.chosen_runs(usual(runs))
     return [thesis_figures.statements_section([run for run, _ in chosen], notes, beside)]
@@ -219,7 +227,7 @@ def thesis_sections(runs, found):
 
 
 def choice_sections(runs, found):
-    return [part for part in [choice.section(found)] if part]
+    return [part for part in [choice.section(own_scenes(runs, found))] if part]
 
 
 def engines_sections(runs, found):
@@ -238,8 +246,8 @@ def about_sections(runs, found):
     return [*([definitions()] if any(not is_study(run) for run in runs) else []), provenance(runs)]
 
 
-SECTIONS = [findings_sections, choice_sections, verdict_sections, nine_sections, studies_sections, extremes_sections,
-            answers_sections, engines_sections, knobs_sections, thesis_sections, drift_sections, foreign_sections,
+SECTIONS = [findings_sections, choice_sections, engines_sections, verdict_sections, nine_sections, studies_sections,
+            extremes_sections, answers_sections, knobs_sections, thesis_sections, drift_sections, foreign_sections,
             about_sections]
 
 
@@ -271,6 +279,7 @@ def lead(runs, found):
             "When the simulated motion can be trusted: integrators judged by problems whose end is known, and by the"
             " energy they keep."
         )
+    made_by = []
     for run in runs:
         meta = run.meta
         machine = " on ".join(filter(None, (meta["run"].get("processor"), meta["run"].get("host"))))
@@ -280,8 +289,11 @@ def lead(runs, found):
         if is_study(run):
             what = f"{counted(len(run.study), 'case')} of {counted(run.study['integrator'].nunique(), 'integrator')}"
         title = f"{pareto.title(run)} ({pareto.name(run)}): {what}"
-        lines.append(", ".join(filter(None, (title, made, machine, meta["run"].get("date", "")[:10]))))
-    return lines
+        lines.append(title)
+        made_by.append(", ".join(filter(None, (made, machine, meta["run"].get("date", "")[:10]))))
+    if len(set(made_by)) > 1:
+        return [*lines[: -len(runs)], *(f"{line}, {made}" for line, made in zip(lines[-len(runs):], made_by))]
+    return [*lines, *(f"{'All: ' if len(runs) > 1 else ''}{made}" for made in made_by[:1])]
 
 
 def warnings(runs, found):
@@ -340,7 +352,11 @@ def warnings(runs, found):
                 f"{scene.title}: timed on {len(machines)} different machines or builds ({'; '.join(machines)}). Their"
                 " times are drawn apart; errors and operations compare. “pipeline detect FILE --force” times them anew."
             )
-    return lines
+    same = {}  # what is to be said of several files is said once
+    for line in lines:
+        name, colon, text = line.partition(": ")
+        same.setdefault(text if colon else line, []).append(name if colon else "")
+    return [f"{listed(names)}: {text}" if names[0] else text for text, names in same.items()]
 
 
 def doubtful_times(run):
@@ -410,7 +426,7 @@ def summary(scene):
     frame = pd.DataFrame({"algorithm": points.label})
     for column, head in SUMMARY.items():
         if column in points and points[column].notna().any():
-            unit = 1e3 if column.endswith("_ns") else 1024 if column.endswith("_bytes") else 1
+            unit = 1e3 if column.endswith("_ns") else 1
             frame[head] = points[column] if unit == 1 else points[column] / unit
             if column in ("false_positive", "false_negative", "contained_hit", "hits"):
                 frame[head] = frame[head].astype("Int64")
@@ -429,7 +445,8 @@ def summary(scene):
     hits = number(int(scene.runs[0].truth_hits.sum()))
     caption = (
         f"{counted(len(points), 'label')}; counts are sums over {counted(scene.runs[0].meta['steps'], 'step')}, in"
-        f" which {hits} pairs truly meet. Times are per step, the fastest repeat of each. A dash stands for 0/0. "
+        f" which {hits} pairs truly meet. FP, FN: false positives, false negatives. Times are per step, the"
+        " fastest repeat of each; p95: their 95th percentile. A dash stands for 0/0. "
         f"{timed}"
     )
     knobs = [
@@ -481,7 +498,7 @@ def _provenance(run):
     meta = run.meta
     answers = meta["answers"].values()
     libraries = _versions(meta.get("library_versions", "{}"))
-    inputs = _json(meta.get("inputs_sha256", "{}"))
+    inputs = pareto.json_object(meta.get("inputs_sha256", "{}"))
     containment = meta["truth"].get("containment", "ignore")
     if is_study(run):
         of_scene = {"cases": number(len(run.study))}
@@ -519,11 +536,4 @@ def _provenance(run):
 
 
 def _versions(text):
-    return ", ".join(f"{name} {version}" for name, version in _json(text).items())
-
-
-def _json(text):
-    try:
-        return dict(json.loads(text))
-    except (TypeError, ValueError):
-        return {}
+    return ", ".join(f"{name} {version}" for name, version in pareto.json_object(text).items())

@@ -187,7 +187,8 @@ class Job:
             if why:
                 self.again[point.name] = why
         self.plan = {
-            "python": f"env PYTHONPATH={shlex.quote(ABOVE)} {shlex.quote(sys.executable)}",  # as scripts/python has it
+            # as scripts/python has it
+            "python": f"env PYTHONPATH={shlex.quote(ABOVE)} {shlex.quote(sys.executable)} -P",
             "module": f"{PACKAGE}.sweep.point",
             "program": program,
             "folder": folder,
@@ -261,9 +262,8 @@ class Job:
         if known:
             seconds = [sum(told["seconds"][i] for told in known) for i in (0, 1)]
             size = sum(told["file_bytes"] for told in known)
-            lines[
-                -1
-            ] += f": {time_text(seconds)} of processor time in all, {size / 1e6:,.0f} MB of files in {self.folder}"
+            lines[-1] += (f": {time_text(seconds)} of processor time in all, {size / 2**20:,.0f} MiB of files in "
+                          f"{self.folder}")
         say("\n".join(lines))
         return 0
 

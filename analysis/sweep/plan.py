@@ -194,6 +194,9 @@ def _axes(path, raw, configs, sets):
             raise Refused(f"{path}: '{place}' must be a list of values, not {value_text(values)}")
         claim(place, key)
         _once(path, place, values)
+        for value in values:
+            if isinstance(value, float) and not math.isfinite(value):
+                raise Refused(f"{path}: '{place}' must be finite, not {value_text(value)}")
         axes[short[key]] = [(value if _single(value) else value_text(value), {key: toml(value)}) for value in values]
     for name, values in _typed(path, raw, "axis", dict, "a table of tables", {}).items():
         place = f"axis.{name}"
@@ -263,14 +266,15 @@ def _short(keys):
 
 
 def _numbers(names):
-    """The names of an axis's values: numbers when all are, as they are written otherwise."""
-    try:
-        return [int(name) for name in names]
-    except ValueError:
+    """The names of an axis's values: numbers when all are finite and different ones, as they are written otherwise."""
+    for kind in (int, float):
         try:
-            return [float(name) for name in names]
+            numbers = [kind(name) for name in names]
         except ValueError:
-            return names
+            continue
+        if all(map(math.isfinite, numbers)) and len(set(numbers)) == len(names):
+            return numbers
+    return names
 
 
 def _once(path, place, values):

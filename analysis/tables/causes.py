@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from .clauses import KEYS
-from ..words import listed, number, verb
+from ..words import counted, listed, number, verb
 
 SAMPLERS = ("facet_triangles", "facet_rotations")
 NEEDED = 3  # sampled facets of a body that make one triangle
@@ -122,7 +122,7 @@ def without_triangle(evidence, label):
     part = int((poor[a] | poor[b]).sum())
     if not part:
         return ""
-    few = listed(dict.fromkeys(int(f) for f in evidence.facets[poor]))
+    few = listed(number(count) for count in np.unique(evidence.facets[poor]))
     named = [evidence.names[body] for body in np.flatnonzero(poor)]
     named = listed(named) if len(named) < 3 else f"{number(len(named))} bodies"
     return (
@@ -139,9 +139,8 @@ def per_body(evidence, bodies, times, label):
     part = float(np.median(evidence.prepare_ns[label][most]) / max(np.median(times[label][most]), 1))
     if not part > 0.1:
         return ""
-    return (f"With all {number(int(bodies.max()))} bodies there, {number(100 * part)} % of the time of "
-            f"{letter(label)} is "
-            "work on each body alone, which grows with their number and not with its square.")
+    return (f"With all {number(int(bodies.max()))} bodies there, {number(100 * part)} % of the time of {letter(label)} "
+            "is work on each body alone, which grows with their number and not with its square.")
 
 
 def follows(evidence, scene, label, stage, why):
@@ -175,9 +174,8 @@ def truth_comes_late(evidence, steps):
     if not len(evidence.truth):
         return ""
     late = float((evidence.truth.step.to_numpy() >= steps // 2).mean())
-    return (f"Of the pairs that truly meet {number(100 * late)} % come in the second half of this motion: what "
-            f"reports them "
-            "reports more there." if late > LEADS else "")
+    return (f"Of the pairs that truly meet {number(100 * late)} % come in the second half of this motion: what reports "
+            "them reports more there." if late > LEADS else "")
 
 
 def subset(evidence, one, other):
@@ -190,10 +188,9 @@ def subset(evidence, one, other):
         return ""
     true = int(np.isin(more, evidence.true).sum())
     has = f"every hit of {letter(one)} is one of {letter(other)}" if not len(only) else (
-        f"{letter(one)} reports {number(len(only))} pairs that {letter(other)} does not")
+        f"{letter(one)} reports {counted(len(only), 'pair')} that {letter(other)} does not")
     return (f"{has[:1].upper()}{has[1:]}; {letter(other)} reports {number(len(more))} more, of which {number(true)} "
-            f"truly "
-            "meet.")
+            f"truly {verb(true, 'meets', 'meet')}.")
 
 
 def kinds_of_error(scene, labels, name=""):
@@ -202,7 +199,7 @@ def kinds_of_error(scene, labels, name=""):
     if table is None or not {"false_positive", "false_negative"} <= set(table):
         return ""
     each = [f"{letter(label)} misses {number(int(table.false_negative[label]))} and has "
-            f"{number(int(table.false_positive[label]))} false positives" for label in labels]
+            f"{counted(int(table.false_positive[label]), 'false positive')}" for label in labels]
     text = "; ".join(each)
     return f"{f'In the {name} scene ' if name else ''}{text}."
 
@@ -317,7 +314,7 @@ def who_misses(run):
         count = len(evidence.missed(before))
         their, they_add = ("its", "it adds") if len(labels) == 1 else ("their", "they add")
         found.append(f"{listed(letter(label) for label in labels)} {verb(labels, 'misses', 'miss')} nothing that"
-                     f" {their} prefilter {before} does not miss, which misses {number(count)} pairs: {they_add} no"
+                     f" {their} prefilter {before} does not miss, which misses {counted(count, 'pair')}: {they_add} no"
                      f" miss of {their} own.")
     for label in SAMPLERS:
         if label in evidence.knobs and (text := without_triangle(evidence, label)):

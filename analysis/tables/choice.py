@@ -60,18 +60,6 @@ def fastest(points, most_error=1.0, misses=True):
     return None if found.empty else (found.iloc[0], equals(found.iloc[0], found))
 
 
-def table(points):
-    """What `front` and `fastest` say, a row each: asked, label, error, mean time (µs), as fast."""
-    def line(asked, row, others):
-        return asked, row.label, row.error, row.time_mean_ns / 1e3, ", ".join(others)
-
-    rows = [line(f"from {row.time_mean_ns / 1e3:.4g} µs a step on", row, others) for row, others in front(points)]
-    for words, limits in ALLOWED.items():
-        found = fastest(points, *limits)
-        rows.append(line(words, *found) if found else (words, "none", np.nan, np.nan, ""))
-    return pd.DataFrame(rows, columns=["asked", "label", "error", "mean time (µs)", "as fast"])
-
-
 # ---- Several scenes
 
 

@@ -321,7 +321,7 @@ def facets_most_accurate(play, *labels):
     error = errors(play, labels)
     best = error[list(labels[4:])].idxmin()
     return [clause(f"error of {label}", error[label], "<", error[best], where=f"{best} errs "
-                                                                              f"less") for label in labels[:4]]
+                                                                              "less") for label in labels[:4]]
 
 
 def faster_in_one(box, falling, one, other):

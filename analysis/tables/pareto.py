@@ -11,6 +11,9 @@ from . import intervals
 from .intervals import Interval
 
 
+VAGUE = 1000  # an interval from one time to so many times it is as none
+
+
 @dataclass(frozen=True)
 class Scene:
     """Results that ask the same question: motion and truth are the same bit for bit, so errors compare.
@@ -82,7 +85,7 @@ def _points(runs):
                     "label": label + how_asked(answers),
                     "algorithm": answers.get("name", label),
                     "file": name(run),
-                    "knobs": _knobs(answers.get("knobs", "{}")),
+                    "knobs": json_object(answers.get("knobs", "{}")),
                     "scope": answers.get("scope", "pair"),
                     "promise": answers.get("promise", "none"),
                     "unit": answers.get("operations_unit", ""),
@@ -97,6 +100,9 @@ def _points(runs):
                 | {"operations": row["operations"] / max(run.meta["steps"], 1)}
             )
     table = pd.DataFrame(rows)
+    if {"time_mean_low_ns", "time_mean_high_ns"} <= set(table):  # what reaches over a thousandfold tells nothing
+        vague = table.time_mean_high_ns > VAGUE * table.time_mean_low_ns
+        table.loc[vague, ["time_mean_low_ns", "time_mean_high_ns"]] = np.nan
     again = table.duplicated("label", keep=False)
     table.loc[again, "label"] = table.label[again] + " (" + table.file[again] + ")"
     again = table.duplicated("label", keep=False)  # the same file twice on different machines
@@ -152,19 +158,8 @@ def sweeps(points):
     return found
 
 
-def relatives(points, cost):
-    """Lines through the labels of one algorithm that no sweep joins, in order of cost: (algorithm, rows)."""
-    points = points.reset_index(drop=True)
-    swept = {row for _, _, rows in sweeps(points) for row in rows}
-    found = []
-    for algorithm, group in points.groupby("algorithm", sort=False):
-        rows = [row for row in group.sort_values(cost).index if row not in swept]
-        if len(rows) > 1:
-            found.append((algorithm, rows))
-    return found
-
-
-def _knobs(text):
+def json_object(text):
+    """What JSON of a file says; an empty dict where it says nothing."""
     try:
         return dict(json.loads(text))
     except (TypeError, ValueError):

@@ -102,16 +102,14 @@ def ends_early(run):
             late = [(when, place) for when, place in lands if when > (steps - 1) / rate]
             if late:
                 when, place = max(late)
-                return [f"its {steps} steps end at {(steps - 1) / rate:.3g} s, before set {place} of {len(lands)} "
-                        f"can have "
-                        f"landed ({when:.3g} s): a run shortened so is another scene."]
+                return [f"its {steps} steps end at {(steps - 1) / rate:.3g} s, before set {place} of {len(lands)} can "
+                        f"have landed ({when:.3g} s): a run shortened so is another scene."]
         if scene["kind"] == "box":
             births = scene.get("births", {})
             last = int(births.get("from", 0)) + int(births.get("every", 0)) * (int(births.get("count", 1)) - 1)
             if last >= steps:
                 return [f"its {steps} steps end before the last body is born (step {last}): a run shortened so is "
-                        f"another "
-                        "scene."]
+                        "another scene."]
     except (KeyError, ValueError, TypeError, IndexError, ZeroDivisionError):
         return []
     return []

@@ -174,6 +174,15 @@ def undecided(table, column):
     return found, len(pairs)
 
 
+def untold(table, column):
+    """How many pairs of labels have an order that is not told at every point, and is nowhere the other way round."""
+    below, both = order(table, column)
+    return sum(
+        min(below.loc[a, b], below.loc[b, a]) == 0 and max(below.loc[a, b], below.loc[b, a]) < max(1, both.loc[a, b])
+        for a, b in itertools.combinations(below.index, 2)
+    )
+
+
 def statements(table):
     """The thesis's statements at every point: one row per statement and variant that some point can judge; confirmed,
     refuted: at how many points; where it is not the same everywhere, the points that refute it. Points that differ by

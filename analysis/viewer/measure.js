@@ -4,8 +4,9 @@
 
 const measure = (() => {
   const MOST_TRIANGLE_PAIRS = 3e7; // about a second in a browser
+  const MOST_PROJECTIONS = 2e7; // of vertices on directions, as long
 
-  const { sub, dot, cross, along } = vectors;
+  const { sub, dot, cross, along, length } = vectors;
   const clamp = (x) => Math.min(1, Math.max(0, x));
 
   // Triangles with corners, box, and a sphere about the box's middle. vertex(i) is the i-th vertex in the world.
@@ -113,8 +114,43 @@ const measure = (() => {
     }
   }
 
-  // { segments: [[p, q], ...] where the surfaces cross, pairs: how many pairs of triangles do, gap: { distance, from, to }
-  // when none does }; null when the meshes are too large.
+  // How far one must be moved, and whither, along a normal of a facet of either until their hulls are apart: bodies
+  // that cross are that deep in each other at most. { distance, direction }; null when the meshes are too large.
+  function way(one, other, a, b) {
+    const found = new Map();
+    for (const { corners } of [...a, ...b]) {
+      const n = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])),
+        size = length(n);
+      if (!(size > 0)) continue;
+      const up = n.map((x) => x / size),
+        key = (by) => up.map((x) => Math.round(1e6 * by * x) + 0).join();
+      if (!found.has(key(-1))) found.set(key(1), up); // the other way along it is looked at too
+    }
+    const points = [one, other].map(({ index, vertex }) => [...new Set(index)].map(vertex));
+    if (found.size * (points[0].length + points[1].length) > MOST_PROJECTIONS) return null;
+    const best = { distance: Infinity, direction: null };
+    for (const up of found.values()) {
+      const [first, second] = points.map((of) => {
+        let low = Infinity,
+          high = -Infinity;
+        for (const p of of) {
+          const at = dot(p, up);
+          low = Math.min(low, at);
+          high = Math.max(high, at);
+        }
+        return { low, high };
+      });
+      for (const [distance, by] of [
+        [first.high - second.low, -1],
+        [second.high - first.low, 1],
+      ])
+        if (distance < best.distance) Object.assign(best, { distance, direction: up.map((x) => by * x) });
+    }
+    return best;
+  }
+
+  // { segments: [[p, q], ...] where the surfaces cross, pairs: how many pairs of triangles do, and then out: the way of
+  // the first out of the second; gap: { distance, from, to } when none does }; null when the meshes are too large.
   function measure(one, other) {
     if ((one.index.length / 3) * (other.index.length / 3) > MOST_TRIANGLE_PAIRS) return null;
     const a = triangles(one.index, one.vertex),
@@ -131,10 +167,10 @@ const measure = (() => {
         const points = crossing(s, t);
         if (!points.length) continue;
         ++pairs;
-        const length = (p) => dot(sub(p, points[0]), sub(p, points[0]));
-        segments.push([points[0], points.reduce((far, p) => (length(p) > length(far) ? p : far))]);
+        const far = (p) => length(sub(p, points[0]));
+        segments.push([points[0], points.reduce((end, p) => (far(p) > far(end) ? p : end))]);
       }
-    if (pairs) return { segments, pairs };
+    if (pairs) return { segments, pairs, out: way(one, other, a, b) };
     const gap = { distance: Infinity };
     // Nearest first, so that most pairs are left out by their spheres.
     const order = (list, to) => [...list].sort((s, t) => away(s, to) - away(t, to));

@@ -255,8 +255,17 @@
               ? "they meet"
               : "they do not meet",
     ]);
-    if (measured && measured.pairs) rows.push(["surfaces", `${measured.pairs} pairs of triangles cross, drawn bold`]);
-    else if (measured && measured.gap)
+    if (measured && measured.pairs) {
+      const crossing = measured.pairs === 1 ? "1 pair of triangles crosses" : `${measured.pairs} pairs of triangles cross`;
+      rows.push(["surfaces", `${crossing}, drawn bold`]);
+      const { out } = measured;
+      if (out)
+        rows.push([
+          "depth",
+          `at most ${sees.digits(out.distance * data.unit, 3)} m: ${name(a)} moved so far along ` +
+            `(${out.direction.map((x) => +x.toFixed(3) + 0).join(", ")}) is out`,
+        ]);
+    } else if (measured && measured.gap)
       rows.push([
         "surfaces",
         `${number(measured.gap.distance * data.unit)} m apart${within ? " (inside)" : ""}, drawn bold`,
@@ -795,6 +804,7 @@
     seen: () => seen,
     viewed,
     body: (b) => body(b, state.k),
+    solid,
     recount,
     rest: () =>
       new Promise((done) => {

@@ -324,7 +324,9 @@ class Archive {
     std::size_t at = number<4>(end + 16);
     for (std::size_t count = number<2>(end + 10); count > 0; --count) {
       if (part(at, 4) != "PK\1\2") fail_at(at, "must be an entry of the list; the archive is damaged");
-      const std::string name(part(at + 46, number<2>(at + 28)));
+      std::string name(part(at + 46, number<2>(at + 28)));
+      for (char& c : name)
+        if ((c >= 0 && c < ' ') || c == 0x7F) c = '?';
       if (name.ends_with(".model")) out.emplace(name, unpacked(at, name));
       at += 46 + number<2>(at + 28) + number<2>(at + 30) + number<2>(at + 32);
     }

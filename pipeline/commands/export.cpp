@@ -173,13 +173,27 @@ std::string vtp(const Result& result, std::size_t step) {
     return data.array<std::uint32_t>(name, "UInt32", values);
   };
 
+  // Who with whom; none of an array that would be empty.
+  static_assert(sizeof(Pair) == 2 * sizeof(std::uint32_t));
+  std::string pairs_of_step;
+  const auto add_pairs = [&](const std::string& name, std::span<const Pair> pairs) {
+    if (pairs.empty()) return;
+    const std::span<const std::uint32_t> numbers(&pairs.data()->a, 2 * pairs.size());
+    pairs_of_step += data.array<std::uint32_t>(
+        name, "UInt32", numbers, " NumberOfComponents=\"2\" NumberOfTuples=\"" + std::to_string(pairs.size()) + "\"");
+  };
+
   const std::vector<Pair> truth = result.truth.scoring(step);
   std::string cells = data.array<std::uint32_t>("body", "UInt32", body) + per_triangle("truth_hits", truth);
+  add_pairs("truth_pairs", truth);
   for (const Answers& answers : result.answers) {
     std::vector<Pair> wrong = without(answers.hits.at(step), truth);
     if (result.truth.containment == Containment::record) wrong = without(wrong, result.truth.contained.at(step));
-    cells += per_triangle("false_positive_" + escaped(answers.label), wrong);
-    cells += per_triangle("false_negative_" + escaped(answers.label), without(truth, answers.hits.at(step)));
+    const std::vector<Pair> missed = without(truth, answers.hits.at(step));
+    const std::string label = escaped(answers.label);
+    cells += per_triangle("false_positive_" + label, wrong) + per_triangle("false_negative_" + label, missed);
+    add_pairs("false_positive_pairs_" + label, wrong);
+    add_pairs("false_negative_pairs_" + label, missed);
   }
 
   const double time[] = {double(step) / result.rate};
@@ -200,7 +214,7 @@ std::string vtp(const Result& result, std::size_t step) {
   return "<?xml version=\"1.0\"?>\n"
          "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" "
          "compressor=\"vtkZLibDataCompressor\">\n<PolyData>\n<FieldData>\n" +
-         fields + "</FieldData>\n<Piece NumberOfPoints=\"" + std::to_string(points.size()) +
+         fields + pairs_of_step + "</FieldData>\n<Piece NumberOfPoints=\"" + std::to_string(points.size()) +
          "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" +
          std::to_string(body.size()) + "\">\n<CellData Scalars=\"body\">\n" + cells + "</CellData>\n<Points>\n" +
          point_array + "</Points>\n<Polys>\n" + connectivity + offsets +

@@ -9,6 +9,7 @@
 #include "pipeline/commands/choice.hpp"
 #include "pipeline/commands/command.hpp"
 #include "pipeline/config.hpp"
+#include "pipeline/result/attributes.hpp"
 #include "pipeline/result/columns.hpp"
 #include "pipeline/result/product.hpp"
 #include "pipeline/result/products/machines.hpp"
@@ -92,20 +93,18 @@ std::string times_text(const Result& result) {
   return text.empty() ? "" : text + "\n";
 }
 
+void add_texts(Json& json, const auto& texts, const auto& row) {
+  for (const auto& [name, member, kind] : texts)
+    json[name] = kind == Text::json ? Json::parse(row.*member) : Json(row.*member);
+}
+
 Json foreign_json(const Answers& answers) {
-  const ForeignFacts& facts = *answers.foreign;
-  return {{"transport", facts.transport},
-          {"command", facts.command},
-          {"files_sha256", Json::parse(facts.files)},
-          {"version", facts.version},
-          {"language", facts.language},
-          {"precision", facts.precision},
-          {"tests", facts.tests},
-          {"licence", facts.licence},
-          {"threads", facts.threads},
-          {"status", failed(answers) ? "failed" : "complete"},
-          {"reason", facts.reason},
-          {"steps_done", facts.steps_done}};
+  Json json;
+  add_texts(json, kForeignTexts, *answers.foreign);
+  json["threads"] = answers.foreign->threads;
+  json["status"] = failed(answers) ? "failed" : "complete";
+  json["steps_done"] = answers.foreign->steps_done;
+  return json;
 }
 
 std::string provenance_text(const Result& result, bool all_digests) {
@@ -120,18 +119,11 @@ std::string provenance_text(const Result& result, bool all_digests) {
 }
 
 Json provenance_json(const Provenance& from) {
-  return {{"creator", from.creator},
-          {"git_commit", from.git_commit},
-          {"build_type", from.build_type},
-          {"compiler", from.compiler},
-          {"flags", from.flags},
-          {"library_versions", Json::parse(from.library_versions)},
-          {"config_sha256", from.config_sha256},
-          {"inputs_sha256", Json::parse(from.inputs_sha256)},
-          {"date", from.date},
-          {"host", from.host},
-          {"processor", from.processor},
-          {"wall_time_s", from.wall_time_s}};
+  Json json;
+  add_texts(json, kOriginTexts, from);
+  add_texts(json, kRunTexts, from);
+  json["wall_time_s"] = from.wall_time_s;
+  return json;
 }
 
 /// The bodies that lie inside others, and in how many pairs and steps: the most first, then in their order.
@@ -163,29 +155,22 @@ void add_scene(const Result& result, const std::string& path, Json& json) {
   for (std::size_t a = 0; a < result.answers.size(); ++a) {
     const Answers& answers = result.answers[a];
     const Summary& row = result.summary[a];
-    json["algorithms"].push_back({{"label", answers.label},
-                                  {"name", answers.name},
-                                  {"thesis_key", answers.thesis_key},
-                                  {"knobs", Json::parse(answers.knobs)},
-                                  {"promise", answers.promise},
-                                  {"scope", answers.scope},
-                                  {"operations_unit", answers.operations_unit},
-                                  {"library", answers.library}});
-    if (answers.foreign) json["algorithms"].back()["foreign"] = foreign_json(answers);
-    json["algorithms"].back()["timed_on"] = {{"host", answers.machine.host},
-                                             {"processor", answers.machine.processor},
-                                             {"build", answers.machine.build},
-                                             {"date", answers.machine.date}};
-    if (answers.machine.pinned >= 0) json["algorithms"].back()["pinned"] = answers.machine.pinned;
+    Json& of = json["algorithms"].emplace_back(Json{{"label", answers.label}});
+    add_texts(of, kAnswerTexts, answers);
+    if (answers.foreign) of["foreign"] = foreign_json(answers);
+    add_texts(of["timed_on"], kMachineTexts, answers.machine);
+    if (answers.machine.pinned >= 0) of["pinned"] = answers.machine.pinned;
     if (timed_on_unlike(answers))
-      for (const TimesOf& of : times_by_processor(answers))
-        json["algorithms"].back()["unlike_processors"].push_back(
-            {{"processor", of.processor}, {"hosts", of.hosts}, {"steps", of.steps}, {"time_mean_ns", of.mean_ns}});
+      for (const TimesOf& times : times_by_processor(answers))
+        of["unlike_processors"].push_back({{"processor", times.processor},
+                                           {"hosts", times.hosts},
+                                           {"steps", times.steps},
+                                           {"time_mean_ns", times.mean_ns}});
     each_summary_column([&]<class T, class Stored>(const Column<Summary, T, Stored>& column) {
       if constexpr (!is_optional<T>)
-        json["algorithms"].back()[column.name] = row.*column.member;
+        of[column.name] = row.*column.member;
       else if (row.*column.member)
-        json["algorithms"].back()[column.name] = *(row.*column.member);
+        of[column.name] = *(row.*column.member);
     });
   }
   json["which_one"] = Json::parse(advice_json(result));

@@ -3,20 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/result/attributes.hpp"
 #include "pipeline/result/columns.hpp"
 
 namespace pipeline {
 namespace {
 
 /// What a method of others said of itself belongs to its answers: it may be asked no more when they are read again.
+constexpr std::string Answers::*kSaid[] = {&Answers::name, &Answers::promise, &Answers::operations_unit,
+                                           &Answers::scope};
+
 void put_facts(const Answers& answers, std::int64_t first, std::int64_t last, ChunkWriter& out) {
   out.put(std::vector<std::uint8_t>(answers.foreign ? 1 : 0));
   if (!answers.foreign) return;
   const ForeignFacts& f = *answers.foreign;
-  for (const std::string* text :
-       {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope, &f.transport, &f.command, &f.files,
-        &f.version, &f.language, &f.precision, &f.tests, &f.licence, &f.reason})
-    out.put(*text);
+  for (const auto member : kSaid) out.put(answers.*member);
+  for (const auto& [name, member, kind] : kForeignTexts) out.put(f.*member);
   out.put(std::vector<std::int64_t>{f.threads, std::clamp<std::int64_t>(f.steps_done - first, 0, last - first)});
   out.put(std::vector<double>{f.waited});
 }
@@ -24,10 +26,8 @@ void put_facts(const Answers& answers, std::int64_t first, std::int64_t last, Ch
 void get_facts(ChunkReader& in, Answers& answers) {
   if (in.get<std::uint8_t>().empty()) return;
   ForeignFacts& f = answers.foreign.emplace();
-  for (std::string* text :
-       {&answers.name, &answers.promise, &answers.operations_unit, &answers.scope, &f.transport, &f.command, &f.files,
-        &f.version, &f.language, &f.precision, &f.tests, &f.licence, &f.reason})
-    *text = in.text();
+  for (const auto member : kSaid) answers.*member = in.text();
+  for (const auto& [name, member, kind] : kForeignTexts) f.*member = in.text();
   const auto whole = in.get<std::int64_t>(2);
   const auto real = in.get<double>(1);
   f.threads = whole[0];
@@ -38,17 +38,14 @@ void get_facts(ChunkReader& in, Answers& answers) {
 void append_facts(const Answers& more, Answers& answers) {
   if (!more.foreign) return;
   const ForeignFacts before = answers.foreign.value_or(ForeignFacts{});
-  answers.name = more.name;
-  answers.promise = more.promise;
-  answers.operations_unit = more.operations_unit;
-  answers.scope = more.scope;
+  for (const auto member : kSaid) answers.*member = more.*member;
   answers.foreign = more.foreign;
   answers.foreign->steps_done += before.steps_done;
   if (!before.reason.empty()) answers.foreign->reason = before.reason;
 }
 
 void append_costs(const Costs& more, Costs& costs) {
-  for (const auto cost : {&Costs::setup_ns, &Costs::memory_bytes, &Costs::memory_greatest_bytes})
+  for (const auto& [name, cost, column] : kCosts)
     costs.*cost = std::fmax(costs.*cost, more.*cost);  // the known one where the other is NaN
 }
 
@@ -86,13 +83,13 @@ Answers get_steps(ChunkReader& in, std::int64_t steps, std::uint64_t bodies) {
 }
 
 void put_machine(const Machine& machine, ChunkWriter& out) {
-  for (const std::string* text : {&machine.host, &machine.processor, &machine.build, &machine.date}) out.put(*text);
+  for (const auto& [name, member, kind] : kMachineTexts) out.put(machine.*member);
   out.put(std::vector<std::int64_t>{machine.pinned});
 }
 
 Machine get_machine(ChunkReader& in) {
   Machine machine;
-  for (std::string* text : {&machine.host, &machine.processor, &machine.build, &machine.date}) *text = in.text();
+  for (const auto& [name, member, kind] : kMachineTexts) machine.*member = in.text();
   machine.pinned = in.get<std::int64_t>(1)[0];
   return machine;
 }

@@ -8,10 +8,16 @@
 #include <numeric>
 #include <utility>
 
+#include "pipeline/result/attributes.hpp"
 #include "pipeline/result/product.hpp"
 
 namespace pipeline {
 namespace {
+
+void add_texts(Group& group, const auto& texts, const auto& row) {
+  for (const auto& [name, member, kind] : texts)
+    if (kind != Text::optional || !(row.*member).empty()) group.attributes.push_back({name, row.*member});
+}
 
 Dataset config(const Result& result) {
   Dataset out = texts("/config", {result.config_text}, {}, "the configuration as read, TOML");
@@ -20,20 +26,8 @@ Dataset config(const Result& result) {
 }
 
 Group root(const Result& result, const Sizes& n) {
-  const Provenance& from = result.provenance;
-  Group group{"/",
-              {{"schema_version", std::int64_t{kSchemaVersion}},
-               {"title", result.title},
-               {"creator", from.creator},
-               {"git_commit", from.git_commit},
-               {"build_type", from.build_type},
-               {"compiler", from.compiler},
-               {"flags", from.flags},
-               {"library_versions", from.library_versions},
-               {"config_sha256", from.config_sha256},
-               {"inputs_sha256", from.inputs_sha256}},
-              {},
-              true};
+  Group group{"/", {{"schema_version", std::int64_t{kSchemaVersion}}, {"title", result.title}}, {}, true};
+  add_texts(group, kOriginTexts, result.provenance);
   auto& datasets = group.datasets;
   if (stands_alone(result)) {
     datasets.push_back(config(result));
@@ -190,42 +184,19 @@ Group results(const Result& result, const Sizes& n) {
 }
 
 Group answers(const Answers& answers, const Sizes& n) {
-  Group group{"/answers/" + answers.label,
-              {{"name", answers.name},
-               {"knobs", answers.knobs},
-               {"promise", answers.promise},
-               {"thesis_key", answers.thesis_key},
-               {"operations_unit", answers.operations_unit},
-               {"scope", answers.scope},
-               {"host", answers.machine.host},
-               {"processor", answers.machine.processor},
-               {"build", answers.machine.build},
-               {"date", answers.machine.date}},
-              {},
-              true};
-  if (!answers.library.empty()) group.attributes.push_back({"library", answers.library});
-  if (const auto& foreign = answers.foreign)
-    group.attributes.insert(group.attributes.end(), {{"transport", foreign->transport},
-                                                     {"command", foreign->command},
-                                                     {"files_sha256", foreign->files},
-                                                     {"version", foreign->version},
-                                                     {"language", foreign->language},
-                                                     {"precision", foreign->precision},
-                                                     {"threads", foreign->threads},
-                                                     {"status", std::string(failed(answers) ? "failed" : "complete")},
-                                                     {"reason", foreign->reason},
-                                                     {"steps_done", foreign->steps_done}});
+  Group group{"/answers/" + answers.label, {}, {}, true};
+  add_texts(group, kAnswerTexts, answers);
+  add_texts(group, kMachineTexts, answers.machine);
   if (const auto& foreign = answers.foreign) {
-    if (!foreign->tests.empty()) group.attributes.push_back({"tests", foreign->tests});
-    if (!foreign->licence.empty()) group.attributes.push_back({"licence", foreign->licence});
+    add_texts(group, kForeignTexts, *foreign);
+    group.attributes.push_back({"threads", foreign->threads});
+    group.attributes.push_back({"status", std::string(failed(answers) ? "failed" : "complete")});
+    group.attributes.push_back({"steps_done", foreign->steps_done});
   }
   if (answers.machine.pinned >= 0) group.attributes.push_back({"pinned", answers.machine.pinned});
-  const auto cost = [&](const char* name, double value) {
-    if (!std::isnan(value)) group.attributes.push_back({name, static_cast<std::int64_t>(value)});
-  };
-  cost("setup_ns", answers.costs.setup_ns);
-  cost("memory_bytes", answers.costs.memory_bytes);
-  cost("memory_greatest_bytes", answers.costs.memory_greatest_bytes);
+  for (const auto& [name, cost, column] : kCosts)
+    if (const double value = answers.costs.*cost; !std::isnan(value))
+      group.attributes.push_back({name, static_cast<std::int64_t>(value)});
   add_pairs(group, answers.hits, "pairs of bodies that the algorithm reported", n);
   return group;
 }
@@ -241,9 +212,10 @@ Group summary(const Result& result, const Sizes& n) {
 }
 
 Group run(const Provenance& from) {
-  return {"/run",
-          {{"date", from.date}, {"host", from.host}, {"processor", from.processor}, {"wall_time_s", from.wall_time_s}},
-          {}};
+  Group group{"/run", {}, {}};
+  add_texts(group, kRunTexts, from);
+  group.attributes.push_back({"wall_time_s", from.wall_time_s});
+  return group;
 }
 
 }  // namespace

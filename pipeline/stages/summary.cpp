@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/result/attributes.hpp"
 #include "pipeline/result/columns.hpp"
 #include "pipeline/stages/interval.hpp"
 
@@ -53,9 +54,7 @@ Summary summarise(const Answers& answers, std::uint64_t pairs) {
   const std::int64_t processor = total(answers.processor_ns);
   row.processor_mean_ns =
       timed && processor > 0 ? double(processor) / double(n) : std::numeric_limits<double>::quiet_NaN();
-  row.setup_ns = answers.costs.setup_ns;
-  row.memory_bytes = answers.costs.memory_bytes;
-  row.memory_greatest_bytes = answers.costs.memory_greatest_bytes;
+  for (const auto& [name, cost, column] : kCosts) row.*column = answers.costs.*cost;
 
   if (answers.promise == "conservative") row.promise_kept = row.false_negative == total(answers.rounding_miss);
   if (answers.promise == "exact") row.promise_kept = row.false_negative == 0 && row.false_positive == 0;

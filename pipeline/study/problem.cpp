@@ -62,7 +62,7 @@ Setting calm(const StudyRow& row, double energy, double mass, double length) {
   return out;
 }
 
-/// Everything so far from the origin along each axis.
+/// Everything that far from the origin along each axis.
 void shift(Setting& setting, double offset) {
   if (std::isnan(offset) || offset == 0) return;
   const Vector by{offset, offset, offset};

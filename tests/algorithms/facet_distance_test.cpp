@@ -10,11 +10,6 @@ using namespace facet_scenes;
 
 const Knobs kAll = {{"prefilter", "none"}, {"densify", false}, {"facets_per_area", 1e9}};
 
-Knobs with(Knobs knobs, const Knobs& more) {
-  for (const auto& [key, value] : more) knobs[key] = value;
-  return knobs;
-}
-
 /// The definition, word for word.
 bool as_defined(const Scene& scene, double max_distance, double facets_per_area, bool densify) {
   std::vector<Vec3> points[2];
@@ -141,26 +136,10 @@ TEST(FacetDistance, IndexAgreesAtTheLastBit) {
   EXPECT_GT(misses, 50);
 }
 
-TEST(FacetDistance, OrderOfThePairDoesNotMatter) {
-  const std::uint64_t seed = 6;
-  SCOPED_TRACE(seed);
-  Random random(seed);
-  for (int i = 0; i < 150; ++i) {
-    const Scene scene = random_pair(random, i);
-    EXPECT_EQ(hit("facet_distance", scene), hit("facet_distance", swapped(scene))) << i;
-  }
-}
+TEST(FacetDistance, OrderOfThePairDoesNotMatter) { expect_the_same_in_either_order("facet_distance", 6, 150); }
 
 TEST(FacetDistance, ExactShiftChangesNothing) {
-  const std::uint64_t seed = 7;
-  SCOPED_TRACE(seed);
-  Random random(seed);
-  for (int i = 0; i < 100; ++i) {
-    const Scene scene = random_pair(random, 3 * i + 1);  // lattice points
-    EXPECT_EQ(hit("facet_distance", scene, with(kAll, {{"max_distance", 2}})),
-              hit("facet_distance", shifted(scene, {4096, -512, 64}), with(kAll, {{"max_distance", 2}})))
-        << i;
-  }
+  expect_the_same_elsewhere("facet_distance", 7, 100, with(kAll, {{"max_distance", 2}}));
 }
 
 TEST(FacetDistance, PrefilterDecidesFirst) {
@@ -180,9 +159,7 @@ TEST(FacetDistance, CountsDistances) {
 }
 
 TEST(FacetDistance, UnbornBodiesAreInNoPair) {
-  Scene scene = two(geometry::sphere("a", 1, 4), at(0, 0, 0), geometry::sphere("b", 1, 4), geometry::unborn());
-  scene.add(geometry::sphere("c", 1, 4), at(0.1, 0, 0));
-  EXPECT_EQ(ask("facet_distance", scene, {{"max_distance", 1}}).hits, (std::vector<Pair>{{0, 2}}));
+  expect_unborn_bodies_in_no_pair("facet_distance", {{"max_distance", 1}});
 }
 
 TEST(FacetDistance, RefusesKnobsOutOfRange) {

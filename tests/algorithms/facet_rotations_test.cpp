@@ -15,11 +15,6 @@ using namespace facet_scenes;
 
 const Knobs kEvery = {{"prefilter", "none"}, {"stride", std::int64_t{1}}, {"inflate", 1.0}};
 
-Knobs with(Knobs knobs, const Knobs& more) {
-  for (const auto& [key, value] : more) knobs[key] = value;
-  return knobs;
-}
-
 bool strictly_apart(const std::array<double, 3>& p, const std::array<double, 3>& q) {
   return *std::max_element(p.begin(), p.end()) < *std::min_element(q.begin(), q.end()) ||
          *std::max_element(q.begin(), q.end()) < *std::min_element(p.begin(), p.end());
@@ -154,37 +149,17 @@ TEST(FacetRotations, CoplanarTrianglesApartAreNoHit) {
   EXPECT_FALSE(hit("facet_rotations", two(triangle, at(0, 0, 0), triangle, at(1000, 0, 0)), kEvery));
 }
 
-TEST(FacetRotations, MissesABodyInsideAnother) {
-  const Mesh big = geometry::sphere("big", 1, 16), small = geometry::sphere("small", 0.1, 16);
-  EXPECT_FALSE(hit("facet_rotations", two(big, at(0, 0, 0), small, at(0.3, 0.3, 0.3))));
-  EXPECT_FALSE(hit("facet_rotations", two(big, at(0, 0, 0), small, at(0, 0, 0)), {{"stride", std::int64_t{5}}}));
-}
+TEST(FacetRotations, MissesABodyInsideAnother) { expect_blind_to_what_is_inside("facet_rotations"); }
 
-// A ring of the sphere has 72 facets, so three points at stride 20 lie 100 degrees apart and span a disc through the
-// sphere's middle rather than its surface.
 TEST(FacetRotations, TrianglesThatCutAcrossABodySeeWhatIsInside) {
-  const Mesh big = geometry::sphere("big", 1, 16), small = geometry::sphere("small", 0.1, 16);
-  EXPECT_TRUE(hit("facet_rotations", two(big, at(0, 0, 0), small, at(0, 0, 0))));
+  expect_to_see_by_triangles_across("facet_rotations");
 }
 
 TEST(FacetRotations, FewerThanThreeSampledFacetsAreNeverHit) {
-  const Mesh box = geometry::box("box", {2, 2, 2}), sphere = geometry::sphere("sphere", 1, 16);
-  EXPECT_FALSE(hit("facet_rotations", two(box, at(0, 0, 0), box, at(0.5, 0.25, 0.125))));
-  EXPECT_FALSE(hit("facet_rotations", two(box, at(0, 0, 0), sphere, at(1, 0, 0))));
-  EXPECT_TRUE(hit("facet_rotations", two(box, at(0, 0, 0), sphere, at(1, 0, 0)), {{"densify", true}}));
+  expect_no_hit_of_fewer_than_three_facets("facet_rotations");
 }
 
-TEST(FacetRotations, EnvelopeHasHoles) {
-  const Mesh big = geometry::sphere("big", 1, 16), small = geometry::sphere("small", 0.1, 16);
-  int seen = 0, missed = 0;
-  for (int i = 0; i < 200; ++i) {
-    const double z = 1 - (2 * i + 1) / 200.0, around = 2.399963229728653 * i, r = std::sqrt(1 - z * z);
-    const Pose pose = at(r * std::cos(around), r * std::sin(around), z);
-    (hit("facet_rotations", two(big, at(0, 0, 0), small, pose), {{"prefilter", "none"}}) ? seen : missed) += 1;
-  }
-  EXPECT_GT(seen, 20);
-  EXPECT_GT(missed, 20);
-}
+TEST(FacetRotations, EnvelopeHasHoles) { expect_holes("facet_rotations"); }
 
 TEST(FacetRotations, AnswersAsDefinedOnDirections) {
   const std::uint64_t seed = 20260104;
@@ -258,26 +233,13 @@ TEST(FacetRotations, AnswersPracticallyAsFacetTriangles) {
 }
 
 TEST(FacetRotations, OrderOfThePairDoesNotMatter) {
-  const std::uint64_t seed = 24;
-  SCOPED_TRACE(seed);
-  Random random(seed);
-  for (int i = 0; i < 400; ++i) {
-    const Scene scene = random_pair(random, i);
-    EXPECT_EQ(hit("facet_rotations", scene, kEvery), hit("facet_rotations", swapped(scene), kEvery)) << i;
-  }
+  expect_the_same_in_either_order("facet_rotations", 24, 400, kEvery);
 }
 
 // On the axes alone lengths are coordinates, and a shift that keeps them exact keeps the answers. On the other
 // directions products are rounded, so there is no such promise.
 TEST(FacetRotations, ExactShiftChangesNothingOnTheAxes) {
-  const std::uint64_t seed = 25;
-  SCOPED_TRACE(seed);
-  Random random(seed);
-  const Knobs axes = with(kEvery, {{"angle_step", 90}});
-  for (int i = 0; i < 200; ++i) {
-    const Scene scene = random_pair(random, 3 * i + 1);  // lattice points
-    EXPECT_EQ(hit("facet_rotations", scene, axes), hit("facet_rotations", shifted(scene, {4096, -512, 64}), axes)) << i;
-  }
+  expect_the_same_elsewhere("facet_rotations", 25, 200, with(kEvery, {{"angle_step", 90}}));
 }
 
 TEST(FacetRotations, TrianglesWithoutAreaAreDefined) {
@@ -306,11 +268,7 @@ TEST(FacetRotations, RefusesAnglesThatDoNotDivideAHalfTurn) {
     EXPECT_THROW(knobs("facet_rotations", {{"angle_step", bad}}), std::invalid_argument) << bad;
 }
 
-TEST(FacetRotations, UnbornBodiesAreInNoPair) {
-  Scene scene = two(geometry::sphere("a", 1, 16), at(0, 0, 0), geometry::sphere("b", 1, 16), geometry::unborn());
-  scene.add(geometry::sphere("c", 1, 16), at(0.1, 0, 0));
-  EXPECT_EQ(ask("facet_rotations", scene).hits, (std::vector<Pair>{{0, 2}}));
-}
+TEST(FacetRotations, UnbornBodiesAreInNoPair) { expect_unborn_bodies_in_no_pair("facet_rotations"); }
 
 }  // namespace
 }  // namespace algorithms

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "algorithms/beyond/facet_gjk.hpp"
+#include "geometry/decision/contain.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/setting.hpp"
 
@@ -135,6 +136,47 @@ TEST(FacetGjk, ReachesFartherByItsKnob) {
   EXPECT_FALSE(at(0.0));
   EXPECT_FALSE(at(0.5));
   EXPECT_TRUE(at(8.0));
+}
+
+// Without a filter in front it rejects what is far itself: by nothing that is within its reach, and one pair after
+// another as row by row. The filter here is wider than all that it tests.
+TEST(FacetGjk, AnswersAloneAsBehindAFilterThatLosesNothing) {
+  for (std::uint32_t seed = 95; seed <= 97; ++seed) {
+    std::mt19937 random(seed);
+    Setting setting = crowd(random, 40, 3);
+    for (int i = 0; i < 20; ++i)
+      setting.add(i % 2 ? geometry::torus("torus", 2, 0.5, 8) : geometry::sphere("ball", 0.7, 6),
+                  {uniform_turn(random), uniform_point(random, 3)});
+    for (const double reach : {0.5, 1.0}) {
+      const Changed alone = {{"prefilter", std::string("none")}, {"reach", reach}},
+                    behind = {{"prefilter", std::string("bounding_sphere")}, {"reach", reach}};
+      const std::vector<Pair> found = hits("facet_gjk", setting, alone);
+      EXPECT_GT(found.size(), 100u);
+      EXPECT_LT(found.size(), 1400u) << "of 1770 pairs";
+      EXPECT_EQ(found, hits("facet_gjk", setting, behind)) << "seed " << seed << ", reach " << reach;
+    }
+  }
+}
+
+// What stands in the file in place of a mesh.
+TEST_P(Wishes, TellWhatTheyTestInPlaceOfAMesh) {
+  const Algorithm& row = *find(GetParam());
+  const Mesh ring = geometry::torus("torus", 6, 1, 16), cube = geometry::box("cube", {1, 1, 1});
+  const Setting setting = Setting().add(ring, {}).add(cube, {});
+  const std::vector<Proxy> found = row.proxies(setting.bodies, presets(row));
+  ASSERT_EQ(found.size(), 2u);
+  const std::vector<Mesh>& of_ring = found[0].solids;
+  if (row.name == "facet_surface") {
+    ASSERT_EQ(of_ring.size(), 1u);
+    EXPECT_LE(of_ring[0].triangles.size(), std::max<std::size_t>(32, ring.triangles.size() / 20));
+    EXPECT_TRUE(geometry::solid_of(of_ring[0], 0).closed);
+  } else {
+    EXPECT_GT(of_ring.size(), 1u) << "the hole stays open";
+    for (const Mesh& piece : of_ring)
+      for (const Vec3& v : piece.vertices) EXPECT_NE(std::ranges::find(ring.vertices, v), ring.vertices.end());
+  }
+  ASSERT_EQ(found[1].solids.size(), 1u);
+  EXPECT_EQ(found[1].solids[0].triangles.size(), 12u) << "a box is itself";
 }
 
 // Flat, straight, single and repeated facets have an answer, and are apart where nothing is near.

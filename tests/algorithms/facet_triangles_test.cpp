@@ -13,11 +13,6 @@ using namespace facet_scenes;
 
 const Knobs kEvery = {{"prefilter", "none"}, {"stride", std::int64_t{1}}, {"inflate", 1.0}};
 
-Knobs with(Knobs knobs, const Knobs& more) {
-  for (const auto& [key, value] : more) knobs[key] = value;
-  return knobs;
-}
-
 double dot(const Vec3& a, const Vec3& b) { return a.x() * b.x() + a.y() * b.y() + a.z() * b.z(); }
 
 Vec3 cross(const Vec3& a, const Vec3& b) {
@@ -83,40 +78,18 @@ TEST(FacetTriangles, OneCoplanarPairAmongManyIsFound) {
   EXPECT_FALSE(hit("facet_triangles", two(cloud(points), at(0, 0, 0), cloud(others), at(100, 0, 0.5)), kEvery));
 }
 
-TEST(FacetTriangles, MissesABodyInsideAnother) {
-  const Mesh big = geometry::sphere("big", 1, 16), small = geometry::sphere("small", 0.1, 16);
-  EXPECT_FALSE(hit("facet_triangles", two(big, at(0, 0, 0), small, at(0.3, 0.3, 0.3))));
-  EXPECT_FALSE(hit("facet_triangles", two(big, at(0, 0, 0), small, at(0, 0, 0)), {{"stride", std::int64_t{5}}}));
-}
+TEST(FacetTriangles, MissesABodyInsideAnother) { expect_blind_to_what_is_inside("facet_triangles"); }
 
-// A ring of the sphere has 72 facets, so three points at stride 20 lie 100 degrees apart and span a disc through the
-// sphere's middle rather than its surface.
 TEST(FacetTriangles, TrianglesThatCutAcrossABodySeeWhatIsInside) {
-  const Mesh big = geometry::sphere("big", 1, 16), small = geometry::sphere("small", 0.1, 16);
-  EXPECT_TRUE(hit("facet_triangles", two(big, at(0, 0, 0), small, at(0, 0, 0))));
+  expect_to_see_by_triangles_across("facet_triangles");
 }
 
-// A box has twelve facets, hence one point at stride 20 and no triangle.
 TEST(FacetTriangles, FewerThanThreeSampledFacetsAreNeverHit) {
-  const Mesh box = geometry::box("box", {2, 2, 2}), sphere = geometry::sphere("sphere", 1, 16);
-  EXPECT_FALSE(hit("facet_triangles", two(box, at(0, 0, 0), box, at(0.5, 0.25, 0.125))));
-  EXPECT_FALSE(hit("facet_triangles", two(box, at(0, 0, 0), sphere, at(1, 0, 0))));
-  EXPECT_TRUE(hit("facet_triangles", two(box, at(0, 0, 0), sphere, at(1, 0, 0)), {{"densify", true}}));
+  expect_no_hit_of_fewer_than_three_facets("facet_triangles");
   EXPECT_FALSE(hit("facet_triangles", two(cloud({{0, 0, 0}, {1, 0, 0}}), at(0, 0, 0), kTriangle, at(0, 0, 0)), kEvery));
 }
 
-// A small sphere whose middle lies on the big one's surface always crosses it, and is seen at some places only.
-TEST(FacetTriangles, EnvelopeHasHoles) {
-  const Mesh big = geometry::sphere("big", 1, 16), small = geometry::sphere("small", 0.1, 16);
-  int seen = 0, missed = 0;
-  for (int i = 0; i < 200; ++i) {
-    const double z = 1 - (2 * i + 1) / 200.0, around = 2.399963229728653 * i, r = std::sqrt(1 - z * z);
-    const Pose pose = at(r * std::cos(around), r * std::sin(around), z);
-    (hit("facet_triangles", two(big, at(0, 0, 0), small, pose), {{"prefilter", "none"}}) ? seen : missed) += 1;
-  }
-  EXPECT_GT(seen, 20);
-  EXPECT_GT(missed, 20);
-}
+TEST(FacetTriangles, EnvelopeHasHoles) { expect_holes("facet_triangles"); }
 
 // Points are enlarged about the body's origin before the pose: a body's place is not.
 TEST(FacetTriangles, InflatesAboutTheBodysOrigin) {
@@ -186,25 +159,10 @@ TEST(FacetTriangles, CoplanarTrianglesAnswerAsDefinedExactOrTurned) {
 }
 
 TEST(FacetTriangles, OrderOfThePairDoesNotMatter) {
-  const std::uint64_t seed = 12;
-  SCOPED_TRACE(seed);
-  Random random(seed);
-  for (int i = 0; i < 600; ++i) {
-    const Scene scene = random_pair(random, i);
-    EXPECT_EQ(hit("facet_triangles", scene, kEvery), hit("facet_triangles", swapped(scene), kEvery)) << i;
-  }
+  expect_the_same_in_either_order("facet_triangles", 12, 600, kEvery);
 }
 
-TEST(FacetTriangles, ExactShiftChangesNothing) {
-  const std::uint64_t seed = 13;
-  SCOPED_TRACE(seed);
-  Random random(seed);
-  for (int i = 0; i < 200; ++i) {
-    const Scene scene = random_pair(random, 3 * i + 1);  // lattice points
-    EXPECT_EQ(hit("facet_triangles", scene, kEvery), hit("facet_triangles", shifted(scene, {4096, -512, 64}), kEvery))
-        << i;
-  }
-}
+TEST(FacetTriangles, ExactShiftChangesNothing) { expect_the_same_elsewhere("facet_triangles", 13, 200, kEvery); }
 
 // Points on one line, or all in one point, make triangles without a normal: the other axes judge.
 TEST(FacetTriangles, TrianglesWithoutAreaAreDefined) {
@@ -225,11 +183,7 @@ TEST(FacetTriangles, CountsPlanesAndTrianglePairs) {
   EXPECT_EQ(ask("facet_triangles", two(kTriangle, at(0, 0, 0), kTriangle, at(0, 0, 0)), kEvery).operations, 3u);
 }
 
-TEST(FacetTriangles, UnbornBodiesAreInNoPair) {
-  Scene scene = two(geometry::sphere("a", 1, 16), at(0, 0, 0), geometry::sphere("b", 1, 16), geometry::unborn());
-  scene.add(geometry::sphere("c", 1, 16), at(0.1, 0, 0));
-  EXPECT_EQ(ask("facet_triangles", scene).hits, (std::vector<Pair>{{0, 2}}));
-}
+TEST(FacetTriangles, UnbornBodiesAreInNoPair) { expect_unborn_bodies_in_no_pair("facet_triangles"); }
 
 }  // namespace
 }  // namespace algorithms

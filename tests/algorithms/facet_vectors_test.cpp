@@ -138,15 +138,7 @@ TEST(FacetVectors, OrderOfThePairMattersWhereAComponentIsZero) {
   EXPECT_FALSE(hit("facet_vectors", swapped(scene), kEvery));
 }
 
-TEST(FacetVectors, ExactShiftChangesNothing) {
-  const std::uint64_t seed = 9;
-  SCOPED_TRACE(seed);
-  Random random(seed);
-  for (int i = 0; i < 200; ++i) {
-    const Scene scene = random_pair(random, 3 * i + 1);  // lattice points
-    EXPECT_EQ(hit("facet_vectors", scene, kEvery), hit("facet_vectors", shifted(scene, {4096, -512, 64}), kEvery)) << i;
-  }
-}
+TEST(FacetVectors, ExactShiftChangesNothing) { expect_the_same_elsewhere("facet_vectors", 9, 200, kEvery); }
 
 TEST(FacetVectors, BodiesAtTheSamePlaceAndPointsAreDefined) {
   const Mesh sphere = geometry::sphere("sphere", 1, 16), point = cloud({{0, 0, 0}});
@@ -160,11 +152,7 @@ TEST(FacetVectors, CountsVectors) {
   EXPECT_EQ(ask("facet_vectors", two(sphere, at(0, 0, 0), sphere, at(9, 9, 0)), kEvery).operations, 3u);
 }
 
-TEST(FacetVectors, UnbornBodiesAreInNoPair) {
-  Scene scene = two(geometry::sphere("a", 1, 16), at(0, 0, 0), geometry::sphere("b", 1, 16), geometry::unborn());
-  scene.add(geometry::sphere("c", 1, 16), at(0.1, 0, 0));
-  EXPECT_EQ(ask("facet_vectors", scene).hits, (std::vector<Pair>{{0, 2}}));
-}
+TEST(FacetVectors, UnbornBodiesAreInNoPair) { expect_unborn_bodies_in_no_pair("facet_vectors"); }
 
 }  // namespace
 }  // namespace algorithms

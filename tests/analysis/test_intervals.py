@@ -3,6 +3,7 @@
 import interval_trials
 import numpy as np
 import pytest
+from scipy import stats
 
 from analysis.tables import intervals
 from analysis.tables.intervals import Interval
@@ -23,6 +24,12 @@ def test_few_blocks_hold_it_as_often_and_are_never_wild():
     found = [intervals.ratio(one, other) for one, other in made]
     assert 0.90 <= np.mean([one.holds(interval_trials.RATIO) for one in found]) <= 0.985, f"seed {SEED}"
     assert max(one.high / one.low for one in found) < 1.25, f"seed {SEED}"
+
+
+def test_quantiles_are_students():
+    assert len(intervals.STUDENT) == intervals.BOOTSTRAP_BLOCKS - intervals.LEAST_BLOCKS
+    freedom = np.arange(intervals.LEAST_BLOCKS - 1, intervals.BOOTSTRAP_BLOCKS - 1)
+    np.testing.assert_allclose(stats.t.cdf(intervals.STUDENT, freedom), 0.975, rtol=1e-12)
 
 
 def test_plain_percentiles_would_not():

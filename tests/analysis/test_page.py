@@ -37,6 +37,14 @@ def made(result, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
+def playground(small_file, tmp_path_factory):
+    """The report of some steps of the playground, which has maps and long names."""
+    path = tmp_path_factory.mktemp("page") / "hriste.html"
+    assert main(["report", str(small_file(ROOT / "configs" / "hriste.toml")), "-o", str(path)]) == 0
+    return path
+
+
+@pytest.fixture(scope="module")
 def opened(made):
     with browsing(made / "r.html", width=1400, height=1000) as page_:
         page_.evaluate("location.hash = '#explorer-1'")
@@ -195,6 +203,42 @@ def test_verdicts_are_filtered(made):
         page_.click_on(".filters [data-word=not]")
         shown = "[...document.querySelectorAll('.verdict')].filter(v => v.offsetHeight).map(v => v.classList[1])"
         assert set(page_.evaluate(shown)) == {"not"}
+
+
+def test_a_link_to_a_verdict_unfolds_it(made):
+    with browsing(made / "r.html") as page_:
+        folds = "[...document.querySelectorAll('.verdict > details')]"
+        assert not page_.evaluate(f"{folds}.some(d => d.open)")
+        page_.evaluate("location.hash = '#statement-12'")
+        page_.settle()
+        assert page_.evaluate(f"{folds}.filter(d => d.open).map(d => d.parentElement.id)") == ["statement-12"]
+        page_.click_on(".filters .unfold")
+        assert page_.evaluate(f"{folds}.every(d => d.open)")
+        assert page_.evaluate("[...document.querySelectorAll('.verdict')].every(v => v.offsetHeight)")
+
+
+def test_the_summary_is_read_without_scrolling_at_1400_px(made, playground):
+    table = "document.querySelector('[aria-labelledby^=summary] .scroll')"
+    for path in (made / "r.html", playground):
+        with browsing(path, width=1400, height=1000) as page_:
+            page_.click_on("#everything")
+            page_.settle()
+            assert page_.evaluate(f"{table}.clientWidth") > 900
+            assert page_.evaluate(f"{table}.scrollWidth - {table}.clientWidth") <= 0
+
+
+def test_names_of_a_maps_rows_stay_in_sight(playground):
+    with browsing(playground, width=420, height=900, phone=True) as page_:
+        page_.click_on("#everything")
+        page_.settle()
+        picture = "document.querySelector('#map-obstacles .picture')"
+        names = f"[...{picture}.querySelectorAll('.row')].map(n => n.getBoundingClientRect().x)"
+        before = page_.evaluate(names)
+        moved = page_.evaluate(f"({picture}.scrollLeft = 90, {picture}.scrollLeft)")
+        assert moved == 90 and len(before) > 10
+        page_.settle()
+        assert page_.evaluate(names) == pytest.approx(before, abs=1)
+        assert page_.messages == []
 
 
 def test_a_phone_has_nothing_that_sticks_out(made):

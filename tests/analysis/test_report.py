@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import xml.dom.minidom
+from types import SimpleNamespace
 
 import matplotlib.image
 import matplotlib.pyplot as plt
@@ -132,9 +133,9 @@ def test_the_summary_is_that_of_the_file(made, result_file):
     assert [row[0] for row in rows] == list(summary.index)
     for head, column, scale in (
         ("error", "error", 1),
-        ("false positives", "false_positive", 1),
+        ("FP", "false_positive", 1),
         ("mean time (µs)", "time_mean_ns", 1e3),
-        ("false negatives", "false_negative", 1),
+        ("FN", "false_negative", 1),
         ("Matthews", "matthews", 1),
     ):
         shown_there = [float(row[heads.index(head)].replace("\u202f", "").replace("–", "nan")) for row in rows]
@@ -247,9 +248,7 @@ def test_sweeps_join_labels_that_differ_in_one_number():
     ]
     points = pd.DataFrame({"algorithm": ["f", "f", "f", "f", "g"], "knobs": knobs, "cost": [4, 1, 2, 3, 0]})
     assert pareto.sweeps(points) == [("f", "stride", [0, 2, 1])]
-    assert pareto.relatives(points, "cost") == []
     points.loc[4, "algorithm"] = "f"
-    assert pareto.relatives(points, "cost") == [("f", [4, 3])]
 
 
 def closest(point, line):
@@ -471,6 +470,27 @@ def test_the_lead_counts_a_test_once_in_however_many_scenes(result_file, small_f
     tests = {(answers["name"], answers["knobs"]) for run in runs for answers in run.meta["answers"].values()}
     assert report_module.lead(runs, pareto.scenes(runs))[0].startswith(f"How often {len(tests)} collision tests")
     assert len(tests) < sum(len(run.meta["algorithms"]) for run in runs)
+
+
+def test_a_file_that_stands_beside_another_for_its_times_is_no_scene_more(monkeypatch):
+    whole, beside = SimpleNamespace(), SimpleNamespace()
+    monkeypatch.setattr(report_module.scenes, "companions", lambda runs: {"falling": beside})
+    found = [SimpleNamespace(runs=[whole]), SimpleNamespace(runs=[beside]), SimpleNamespace(runs=[whole, beside])]
+    assert report_module.own_scenes([whole, beside], found) == [found[0], found[2]]
+
+
+def test_what_is_to_be_minded_of_several_files_is_said_once(result_file, tmp_path):
+    runs = [load(shutil.copy(result_file, tmp_path / f"{name}.h5")) for name in ("one", "two")]
+    for run in runs:
+        run.meta["git_commit"] = "0123456789-dirty"
+    told = report_module.warnings(runs, [])
+    assert "one and two: made by a program whose sources differ from commit 0123456." in told
+    assert len(told) == len(set(told))
+
+
+def test_of_other_scenes_than_the_thesiss_no_verdicts_stand_there(small_file):
+    run = load(small_file(ROOT / "configs" / "cup.toml"))
+    assert report_module.verdict_sections([run], []) == []
 
 
 def test_zero_hits_are_said(pipeline, tmp_path):

@@ -94,6 +94,12 @@ def test_who_is_quicker_is_told_by_the_same_steps(monkeypatch):
     below, both = sweeps.order(frame(point({"seed": 1}, rows)), "time_mean_ns")
     assert below.loc["twin", "one"] == below.loc["one", "twin"] == 0 and both.loc["one", "twin"] == 1
     assert below.loc["one", "slow"] == 1 and below.loc["slow", "one"] == 0
+    # Nobody says that the order of `one` and `twin` is the same everywhere: it is told nowhere.
+    table = frame(point({"seed": 1}, rows), point({"seed": 2}, rows))
+    assert sweeps.untold(table, "time_mean_ns") == 1
+    (part,) = figures.findings(table)
+    assert ("Who is quicker is the same at every point for 2 of 3 pairs of labels, and not told at every point for 1."
+            in part.items)  # fmt: skip
     monkeypatch.setattr(sweeps, "_times", lambda folder, name: ({}, None))  # a file that is gone: by the means
     below, _ = sweeps.order(frame(point({"seed": 1}, rows)), "time_mean_ns")
     assert below.loc["twin", "one"] == 1

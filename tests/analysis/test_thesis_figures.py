@@ -409,6 +409,7 @@ def test_calmer_collision_time_agrees_with_the_thesis():
     contacts = np.ones(40)
     figure = engine_figures.parts_of_a_step(engine(calm, contacts, lively, contacts), "box", "k")
     assert figure.title.startswith("Collision time (cannon_naive) varies less than physics time, as in the thesis")
+    assert all(f">{part}<" in figure.svg for part in ("collision", "physics", "total"))  # an axis of its own each
     assert "figure 5.1 of" in figure.caption
     figure = engine_figures.parts_of_a_step(engine(lively, contacts, calm, contacts), "box", "k")
     assert "varies no less than physics time, unlike in the thesis" in figure.title

@@ -414,6 +414,31 @@ def test_of_every_pair_the_picture_measures_what_the_truth_says(page):
     assert counts == []
 
 
+def test_the_depth_of_a_sphere_in_the_plate_is_how_far_its_lowest_vertex_is_below_the_top(page):
+    """And when it is moved out by that, no vertex of it is in the plate: on a wide plate no other way is shorter."""
+    found = page.evaluate("""(() => {
+      const found = [];
+      for (let s = 60; s < 120; s += 5) {
+        viewer.go(s);
+        for (const kind of ["fn", "tp"]) for (const pair of viewer.now()[kind]) {
+          if (pair[0] !== 0) continue;
+          viewer.choose(pair);
+          const heights = body => { const of = viewer.solid(body); return [...of.index].map(i => of.vertex(i)[1]); };
+          found.push([Math.max(...heights(0)) - Math.min(...heights(pair[1])), viewer.measured().out, s, pair]);
+        }
+      }
+      return found;
+    })()""")
+    assert len(found) > 5
+    for depth, out, _, _ in found:
+        assert out["distance"] == pytest.approx(depth, rel=1e-6, abs=1e-9)
+        assert out["direction"] == pytest.approx([0, -1, 0], abs=1e-6)  # the plate goes down, being the pair's first
+    page.evaluate(f"viewer.go({found[0][2]}), viewer.choose({found[0][3]})")
+    told = page.evaluate("document.getElementById('chosen').textContent")
+    assert "depthat most " in told and "plate moved so far along (0, -1, 0) is out" in told
+    page.press("Escape")
+
+
 def segment_distance(p, q, r, s):
     """The distance of the segments p q and r s: it is at the lines' nearest points, or at an end of one."""
 

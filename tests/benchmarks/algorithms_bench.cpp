@@ -16,26 +16,15 @@
 #include "geometry/decision/exact.hpp"
 #include "geometry/meshes/shapes.hpp"
 #include "pipeline/result/store.hpp"
+#include "tests/support/setting.hpp"
 
 namespace {
 
 using namespace geometry;
 using algorithms::Algorithm;
+using setting::uniform, setting::uniform_turn;
 
 constexpr std::uint32_t kSeed = 20221;
-
-/// A number in [-1, 1) with the same bits everywhere; the standard's distributions differ between libraries.
-double uniform(std::mt19937& random) { return static_cast<double>(random()) * 0x1p-31 - 1; }
-
-Quaternion any_turn(std::mt19937& random) {
-  Quaternion q;
-  double square;
-  do {
-    q = {uniform(random), uniform(random), uniform(random), uniform(random)};
-    square = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  } while (square > 1 || square < 0.01);
-  return normalised(q);
-}
 
 struct Frame {
   Bodies bodies;
@@ -66,8 +55,8 @@ Frame pairs_frame(double distance) {
   for (std::uint32_t i = 0; i < 64; ++i) {
     const Vec3 place(20.0 * i, 0, 0);
     const Vec3 off(uniform(random), uniform(random), uniform(random));
-    out.add(0, false, {any_turn(random), place});
-    out.add(0, false, {any_turn(random), place + off * (distance / off.norm())});
+    out.add(0, false, {uniform_turn(random), place});
+    out.add(0, false, {uniform_turn(random), place + off * (distance / off.norm())});
     out.runs.push_back({2 * i, 2 * i + 1, 2 * i + 2});
   }
   return out;

@@ -130,7 +130,9 @@ int main(int argc, char** argv) {
   const std::string path = argc > 1 ? argv[1] : "results/padani.h5";
   std::vector<Row> rows = {{"convex_hull", {}, "obb_sat", 2},
                            {"facet_surface", {}, "facet_distance", 1},
-                           {"facet_gjk", {}, "facet_distance", 0.5}};
+                           {"facet_gjk", {}, "facet_distance", 0.5},
+                           {"facet_gjk", {{"prefilter", std::string("none")}}, "facet_distance", 0.5},
+                           {"spheres", {}, "bounding_sphere", 5}};
   for (const std::string& test : kText)
     for (const std::string precision : {"double", "single"})
       rows.push_back({"all_triangles", {{"test", test}, {"precision", precision}}, "fcl_bvh", 1});

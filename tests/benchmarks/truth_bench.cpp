@@ -129,7 +129,7 @@ void building_a_hierarchy(benchmark::State& state) {
 BENCHMARK(building_a_hierarchy)->ArgName("segments")->Arg(16)->Arg(700)->Unit(benchmark::kMillisecond);
 
 /// Every step of a recorded motion, with its memory of the step before and without, beside the broad phase alone.
-/// Usage: truth_bench FILE.h5 [SEGMENTS [ROUNDS]]. `segments` > 0 puts spheres of so many in the place of the file's.
+/// Usage: truth_bench FILE.h5 [SEGMENTS [ROUNDS]]. `segments` > 0 puts spheres of that many in the place of the file's.
 int replay(const char* path, std::int64_t segments, int rounds) {
   pipeline::Result recorded = pipeline::read_result(path);
   for (Mesh& mesh : recorded.bodies.meshes)

@@ -114,6 +114,12 @@ def test_counts_are_those_of_the_run(pipeline, result_file, tmp_path):
     for label, row in counts.iterrows():
         for kind in ("false_positive", "false_negative"):
             assert found[f"{kind}_{label}"][first].sum() == 2 * row[kind], (kind, label)  # two bodies a pair
+            pairs = run.per_pair(label).query("step == @step and verdict == @kind")[["a", "b"]]
+            assert len(pairs) == row[kind]
+            # Who with whom; an array that would be empty is left out.
+            kept = found.get(f"{kind}_pairs_{label}")
+            assert kept is None if pairs.empty else (kept.reshape(-1, 2) == pairs.to_numpy()).all(), (kind, label)
+    assert (found["truth_pairs"].reshape(-1, 2) == truth[["a", "b"]].to_numpy()).all()
 
 
 def test_index_names_every_step_with_its_time(pipeline, result_file, tmp_path):

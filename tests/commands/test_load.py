@@ -10,6 +10,7 @@ from editing import edited
 from conftest import SCENES
 
 from analysis.__main__ import main
+from analysis.intact import check_attributes
 from analysis.load import load
 
 configs = pytest.mark.parametrize("config", SCENES, ids=lambda path: path.stem)
@@ -141,3 +142,11 @@ def test_damage_within_is_one_line_that_names_the_file(result_file, tmp_path, ca
     said = capsys.readouterr().err
     assert said.startswith(f"{copy}: ") and said.count("\n") == 1, said
     assert not (tmp_path / "r.html").exists()
+
+
+@pytest.mark.parametrize("name, value", [("transport", 1), ("reason", 0.5), ("threads", "two"), ("steps_done", "all"),
+                                         ("files_sha256", "[]")])
+def test_attributes_of_methods_of_others_have_the_types_that_the_pipeline_writes(name, value):
+    check_attributes("/answers/mine", {"transport": "program", "threads": np.int64(1), "files_sha256": "{}"})
+    with pytest.raises(ValueError, match=f"attribute {name} of /answers/mine: "):
+        check_attributes("/answers/mine", {name: value})

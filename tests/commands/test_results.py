@@ -121,6 +121,20 @@ def test_changed_answers_and_libraries_are_told():
     assert told["different answers"] == 2 and told["which"] == "d (0.5) by 1111111; e (0.25) by 2222222"
 
 
+def test_another_library_is_no_noise_of_the_same_commit():
+    """Twice as slow by a new library: said as that, and not what runs of the commit differ by."""
+    old, new = '{"fcl": "0.7"}', '{"fcl": "0.8"}'
+    quiet = Interval(1, .99, 1.01)
+    rows = [record(libraries=old, floor=quiet), record(libraries=new, mean=200, low=198, high=202, number=1)]
+    found = changes(*rows).iloc[0]
+    assert (found["from"], found["to"], found.time) == ("1111111", "1111111", "slower")
+    assert found.libraries == "fcl 0.7 -> 0.8"
+    text = results.report(pd.DataFrame(rows))
+    assert text.count("fcl 0.7 -&gt; 0.8") >= 2, "it is said, and named below its place in the figure"
+    later = changes(*rows, record(commit="2", libraries=new, mean=210, low=208, high=212, number=2)).iloc[1]
+    assert later.time == "?" and np.isnan(later.noise), "the two libraries are no two runs of one thing"
+
+
 def test_methods_without_a_time_have_errors_only():
     table = pd.DataFrame([record(mean=np.nan, low=np.nan, high=np.nan),
                           record(commit="2", mean=np.nan, low=np.nan, high=np.nan, number=1, digest="e")])

@@ -102,6 +102,15 @@ def test_keys_that_change_together_are_one_parameter_and_configurations_another(
     assert found[2].config == str(folder / "other.toml") and found[1].parameters == {"config": "small", "size": 20}
 
 
+@pytest.mark.parametrize("names, values", [
+    (["10", "2"], [10, 2]), (["0.5", "1"], [0.5, 1]), (["low", "5"], ["low", "5"]),
+    (["10", "010"], ["10", "010"]), (["1e1", "10"], ["1e1", "10"]), (["nan", "5"], ["nan", "5"])])  # fmt: skip
+def test_values_of_an_axis_are_numbers_where_all_are_different_ones(folder, names, values):
+    text = "".join(f'"{name}" = {{ rate = {30 + i} }}\n' for i, name in enumerate(names))
+    found = points(read(written(folder, SMALL + "[axis.n]\n" + text)))
+    assert [p.parameters["n"] for p in found] == values and len({p.name for p in found}) == len(names)
+
+
 def test_different_parameters_never_get_one_name():
     values = [
         "a",
@@ -159,6 +168,8 @@ def test_values_reach_the_program_as_they_are():
     ("config = 'small.toml'\n[grid]\nsteps = 5", "'grid.steps' must be a list of values, not 5"),
     ("config = 'small.toml'\n[grid]\nsteps = [5, 5.0]", "'grid.steps' has 5 twice"),
     ("config = 'small.toml'\n[grid]\nsteps = []", "'grid.steps' must be a list"),
+    ("config = 'small.toml'\n[grid]\nrate = [nan, 60]", "'grid.rate' must be finite, not nan"),
+    ("config = 'small.toml'\n[grid]\nrate = [60, -inf]", "'grid.rate' must be finite, not -inf"),
     ("config = 'small.toml'\n[set]\nsteps = 5\n[grid]\nsteps = [5, 6]", "'grid.steps' sets steps, as 'set' does"),
     ("config = 'small.toml'\nseeds = 3\n[grid]\nseed = [5, 6]", "'seeds' sets seed, as 'grid.seed' does"),
     ("config = 'small.toml'\n[axis]\nn = 5", "'axis.n' must be a table of values"),

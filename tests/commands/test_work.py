@@ -35,6 +35,12 @@ def ended(process, code=DONE):
     return json.loads(out) if code == DONE else error.strip().splitlines()[-1]
 
 
+def stop(process):
+    """Until it stands still: the signal is sent, not taken, when its call is back."""
+    process.send_signal(signal.SIGSTOP)
+    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
+
+
 def chunks(part, stage):
     return sorted(path.name for path in part.glob(f"{stage}-*") if path.suffix != ".claim")
 
@@ -150,7 +156,7 @@ def test_the_run_killed_beside_its_workers_is_resumed(tmp_path, alone):
 def test_a_worker_stopped_beyond_its_lease_loses_its_chunk_and_nothing_else(part, alone):
     stopped = worker(part)
     wait_for(lambda: list(part.glob("*.claim")))
-    stopped.send_signal(signal.SIGSTOP)
+    stop(stopped)
     claims = {path.name for path in part.glob("*.claim")}
     try:
         other = ended(worker(part))  # waits for the lease, then takes over
@@ -165,7 +171,7 @@ def test_a_worker_stopped_beyond_its_lease_loses_its_chunk_and_nothing_else(part
 def test_a_worker_stopped_while_the_run_ends_without_it(part, alone):
     stopped = worker(part)
     wait_for(lambda: chunks(part, "answers") and list(part.glob("*.claim")))
-    stopped.send_signal(signal.SIGSTOP)
+    stop(stopped)
     try:
         path = part.with_suffix("")
         run = pipeline("run", SMOKE, "-o", path, *LONG)
@@ -286,7 +292,7 @@ def test_a_finished_run_needs_nobody(part, alone):
 def test_a_part_that_vanishes_is_told(part):
     one = worker(part)
     wait_for(lambda: list(part.glob("*.claim")))
-    one.send_signal(signal.SIGSTOP)
+    stop(one)
     os.rename(part, part.with_name("elsewhere"))
     shutil.rmtree(part.with_name("elsewhere"))
     one.send_signal(signal.SIGCONT)
@@ -296,7 +302,7 @@ def test_a_part_that_vanishes_is_told(part):
 def test_a_run_begun_anew_in_its_place_is_told(part):
     one = worker(part)
     wait_for(lambda: list(part.glob("*.claim")))
-    one.send_signal(signal.SIGSTOP)
+    stop(one)
     run = pipeline("run", SMOKE, "-o", part.with_suffix(""), "--set", "steps=299", "--motion-only", "--force")
     assert run.returncode == DONE, run.stderr
     one.send_signal(signal.SIGCONT)

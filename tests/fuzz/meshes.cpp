@@ -9,6 +9,7 @@
 #include "geometry/decision/bvh.hpp"
 #include "geometry/decision/contain.hpp"
 #include "geometry/meshes/mesh_file.hpp"
+#include "geometry/meshes/soundness.hpp"
 
 namespace {
 
@@ -35,6 +36,15 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       std::string said;
       require_usable(geometry::parse_mesh(fuzz::text_of(data, size), file, "a", &said));
       if (!said.empty()) fuzz::require_one_line(said);
+    } catch (const geometry::MeshFileError& error) {
+      fuzz::require_one_line(error.what());
+      fuzz::require(std::string_view(error.what()).starts_with(file), "an error names the file");
+    }
+  }
+  // What is looked at before another library reads it.
+  for (const std::string file : {"a.gltf", "a.glb", "a.dae", "a.3mf"}) {
+    try {
+      geometry::refuse_unsound(fuzz::text_of(data, size), file, file.substr(2));
     } catch (const geometry::MeshFileError& error) {
       fuzz::require_one_line(error.what());
       fuzz::require(std::string_view(error.what()).starts_with(file), "an error names the file");

@@ -11,6 +11,7 @@
 #include "geometry/meshes/shapes.hpp"
 #include "geometry/random.hpp"
 #include "geometry/vec.hpp"
+#include "tests/support/l_shape.hpp"
 
 namespace {
 
@@ -21,28 +22,9 @@ InscribedBalls balls_of(const Mesh& mesh, std::size_t most) {
   return inscribed_balls(mesh, solid_of(mesh, kClosedWithin), most);
 }
 
-/// An L with arms 1 wide, 3 and 2 long, 1 thick.
-Mesh l_shape() {
-  const std::vector<Vec3> outline{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
-  Mesh mesh;
-  mesh.name = "l";
-  for (const double z : {1., 0.})
-    for (const Vec3& p : outline) mesh.vertices.push_back(p + Vec3(0, 0, z));
-  for (const auto& [a, b, c] : {Facet{0, 1, 3}, Facet{1, 2, 3}, Facet{0, 3, 5}, Facet{3, 4, 5}}) {
-    mesh.triangles.push_back({a, b, c});
-    mesh.triangles.push_back({c + 6, b + 6, a + 6});
-  }
-  for (std::uint32_t i = 0; i < 6; ++i) {
-    const std::uint32_t j = (i + 1) % 6;
-    mesh.triangles.push_back({i, i + 6, j + 6});
-    mesh.triangles.push_back({i, j + 6, j});
-  }
-  return mesh;
-}
-
 std::vector<Mesh> shapes() {
   return {box("box", {1.6, 1, 1.2}), capsule("capsule", 2, 0.4, 0.4, 2), torus("torus", 1.5, 0.5, 10),
-          torus_knot("knot", 0.7, 0.18, 28, 6, 2, 3), l_shape()};
+          torus_knot("knot", 0.7, 0.18, 28, 6, 2, 3), tests::l_shape()};
 }
 
 /// How often the surface goes round the point, by solid angles.

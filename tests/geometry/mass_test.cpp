@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "geometry/meshes/shapes.hpp"
+#include "tests/support/l_shape.hpp"
 
 namespace {
 
@@ -68,20 +69,7 @@ TEST(MassProperties, OfACapsuleConverge) {
 
 // An L of two boxes: their sums by the parallel-axis theorem.
 TEST(MassProperties, OfAnLAreThoseOfItsBoxes) {
-  // The outline in x and y, counter-clockwise; thickness 1 in z.
-  const std::vector<Vec3> outline{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
-  Mesh mesh;
-  for (const double z : {1., 0.})
-    for (const Vec3& p : outline) mesh.vertices.push_back(p + Vec3(0, 0, z));
-  for (const auto& [a, b, c] : {Facet{0, 1, 3}, Facet{1, 2, 3}, Facet{0, 3, 5}, Facet{3, 4, 5}}) {
-    mesh.triangles.push_back({a, b, c});
-    mesh.triangles.push_back({c + 6, b + 6, a + 6});
-  }
-  for (std::uint32_t i = 0; i < 6; ++i) {
-    const std::uint32_t j = (i + 1) % 6;
-    mesh.triangles.push_back({i, i + 6, j + 6});
-    mesh.triangles.push_back({i, j + 6, j});
-  }
+  const Mesh mesh = tests::l_shape();
   ASSERT_TRUE(is_closed(mesh));
   const Vec3 size[2] = {{3, 1, 1}, {1, 1, 1}}, middle[2] = {{1.5, 0.5, 0.5}, {0.5, 1.5, 0.5}};
   const double mass[2] = {3, 1};

@@ -336,7 +336,7 @@ TEST(Polygon, RandomMazesAreCovered) {
   for (int k = 0; k < 6; ++k) {
     const int size = 5 + 4 * k;
     const Flat straight = maze(size, random);
-    ASSERT_EQ(shoelace(straight) / 2, 0.25 * (2 * size * size - 1));  // so many squares are filled
+    ASSERT_EQ(shoelace(straight) / 2, 0.25 * (2 * size * size - 1));  // that many squares are filled
     // Sheared by exact numbers, from a random corner.
     Flat p = turned(straight, random() % straight.size(), k % 2);
     for (auto& [x, y] : p) x += 0.375 * y, y += 0.25 * x;

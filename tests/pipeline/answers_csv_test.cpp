@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/refusal.hpp"
 
 using namespace pipeline;
 using geometry::Pose;
@@ -28,23 +29,12 @@ PairLists read(const std::string& text, const geometry::Bodies& bodies = four())
   return parse_answers(text, "a.csv", bodies, poses());
 }
 
-template <class Parse>
-std::string error_of(Parse parse) {
-  try {
-    parse();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kInput);
-    return error.what();
-  }
-  return "";
-}
-
 std::string answers_error(const std::string& text, const geometry::Bodies& bodies = four()) {
-  return error_of([&] { read(text, bodies); });
+  return tests::refusal_of([&] { read(text, bodies); });
 }
 
 std::string times_error(const std::string& text) {
-  return error_of([&] { parse_times(text, "t.csv", 3); });
+  return tests::refusal_of([&] { parse_times(text, "t.csv", 3); });
 }
 
 }  // namespace

@@ -3,11 +3,11 @@
 #include <sys/stat.h>
 
 #include <fstream>
-#include <iterator>
 
 #include "pipeline/commands/score.hpp"
 #include "pipeline/result/products/passes.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/files.hpp"
 #include "tests/support/synthetic_result.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -15,11 +15,6 @@ namespace pipeline {
 namespace {
 
 constexpr ScoreOptions kWrite{.write = true, .times = false, .tolerance = {}};
-
-std::string content(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 ExitCode code_of(const Result& result, const std::filesystem::path& path, const ScoreOptions& options) {
   try {
@@ -157,7 +152,7 @@ TEST(Baseline, ReplacesNothingElse) {
   const std::string text = "[scene]\nkind = \"falling\"\n";
   std::ofstream(folder / "padani.toml") << text;
   EXPECT_EQ(code_of(synthetic_result(), folder / "padani.toml", kWrite), kFile);
-  EXPECT_EQ(content(folder / "padani.toml"), text);
+  EXPECT_EQ(tests::bytes_of(folder / "padani.toml"), text);
   EXPECT_EQ(code_of(synthetic_result(), folder / "none.json", {}), kFile);
   EXPECT_FALSE(std::filesystem::exists(folder / "none.json"));
 }

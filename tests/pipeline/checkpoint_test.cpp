@@ -5,7 +5,6 @@
 
 #include <chrono>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 
@@ -16,34 +15,20 @@
 #include "pipeline/stages/motion.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace pipeline;
 namespace fs = std::filesystem;
+using tests::bytes_of, tests::names_in;
 
 namespace {
 
 const CheckpointKey kKey{.config_sha256 = "c1", .program_sha256 = "p1"};
 
 std::string refusal(const fs::path& folder, const CheckpointKey& key, bool force = false) {
-  try {
-    Checkpoint part(folder, key, "title", 100, force);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kFile);
-    return error.what();
-  }
-  return "";
-}
-
-std::set<std::string> names_in(const fs::path& folder) {
-  std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
-  return names;
-}
-
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  return tests::refusal_of([&] { Checkpoint part(folder, key, "title", 100, force); }, kFile);
 }
 
 void overwrite(const fs::path& file, std::streamoff at, char with) {
@@ -180,13 +165,8 @@ TEST(Checkpoint, WorkersOfAnotherRunAreTold) {
            {other, "another configuration than x.toml"},
            {{.config_sha256 = "c1", .program_sha256 = "p2"}, "another build"},
            {{.config_sha256 = "c1", .program_sha256 = "p1", .inputs_sha256 = "i"}, "other input files"}}) {
-    try {
-      worker.require(key, "x.toml");
-      ADD_FAILURE() << what;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), kFile);
-      EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
-    }
+    const std::string line = tests::refusal_of([&] { worker.require(key, "x.toml"); }, kFile);
+    EXPECT_NE(line.find(what), std::string::npos) << line;
   }
   Checkpoint forced(path, other, "title", 100, true);
   EXPECT_EQ(worker.state(), Checkpoint::State::another);
@@ -332,7 +312,7 @@ TEST(Checkpoint, WritesThroughNoLink) {
     fs::create_symlink(folder / "precious", folder / name);
   part.save("motion-0000000", "chunk");
   EXPECT_EQ(part.load("motion-0000000"), "chunk");
-  EXPECT_EQ(text_of(folder / "precious"), "precious");
+  EXPECT_EQ(bytes_of(folder / "precious"), "precious");
 }
 
 TEST(Checkpoint, ReadsThroughNoLinkAndTellsWhatItCannotRead) {
@@ -345,13 +325,8 @@ TEST(Checkpoint, ReadsThroughNoLinkAndTellsWhatItCannotRead) {
   for (const auto& [name, what] : std::map<std::string, std::string>{{"motion-0000000", "is a symbolic link"},
                                                                      {"motion-0000050", "is a folder"},
                                                                      {"answers-0000000", "is a pipe"}}) {
-    try {
-      part.load(name);
-      ADD_FAILURE() << name;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), kFile);
-      EXPECT_NE(std::string(error.what()).find(name + ": " + what), std::string::npos) << error.what();
-    }
+    const std::string line = tests::refusal_of([&] { part.load(name); }, kFile);
+    EXPECT_NE(line.find(name + ": " + what), std::string::npos) << line;
   }
 }
 

@@ -4,11 +4,11 @@
 
 #include <filesystem>
 #include <fstream>
-#include <functional>
 
 #include "pipeline/config.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace pipeline {
 namespace {
@@ -17,18 +17,8 @@ namespace fs = std::filesystem;
 
 const std::string kScene = "[scene]\nkind = \"falling\"\n";
 
-/// The user's error that `act` throws, "CODE text"; "" when it throws none.
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return std::to_string(error.code()) + ' ' + error.what();
-  }
-  return "";
-}
-
 std::string error_in(const std::string& text, const std::vector<std::string>& sets = {}) {
-  return error_of([&] { parse_config(text, "a/f.toml", sets); });
+  return tests::coded_refusal_of([&] { parse_config(text, "a/f.toml", sets); });
 }
 
 // With or without the library: an algorithm that is asked for by name is there or refused, one that is optional is
@@ -54,7 +44,7 @@ TEST(Config, AlgorithmsOfLibrariesAreThereOrSaidToBeMissing) {
     EXPECT_EQ(config.effective.find("optional"), std::string::npos) << "what runs is decided";
   }
   EXPECT_EQ(error_in(named + "optional = 1\n"), "3 a/f.toml:7:12: 'algorithm.1.optional' must be true or false, not 1");
-  EXPECT_EQ(error_of([] { parse_algorithm("aabb:optional=true"); }),
+  EXPECT_EQ(tests::coded_refusal_of([] { parse_algorithm("aabb:optional=true"); }),
             "3 --algorithm aabb:optional=true: must be NAME[:knob=value,...][@LABEL], not with 'optional=true' in it");
 }
 
@@ -301,7 +291,7 @@ TEST(ConfigErrors, SurvivesDeepKeys) {
 TEST(ConfigErrors, RefusesFilesThatAreNoText) {
   const fs::path folder = fs::temp_directory_path() / ("config_test_" + std::to_string(::getpid()));
   fs::create_directories(folder);
-  const auto error = [](const fs::path& path) { return error_of([&] { read_config(path); }); };
+  const auto error = [](const fs::path& path) { return tests::coded_refusal_of([&] { read_config(path); }); };
   EXPECT_EQ(error(folder / "none.toml"),
             "3 " + (folder / "none.toml").string() +
                 ": the configuration cannot be read (No such file or directory); name a TOML file");

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <random>
 
 #include "pipeline/scene/kinds/box.hpp"
@@ -13,6 +12,7 @@
 #include "pipeline/scene/kinds/replay.hpp"
 #include "pipeline/terminal/error.hpp"
 #include "pipeline/terminal/words.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace pipeline {
 namespace {
@@ -25,18 +25,8 @@ const std::string kScene = "[scene]\nkind = \"falling\"\n";
 
 fs::path configs() { return fs::path(TREE) / "configs"; }
 
-/// The user's error that `act` throws, "CODE text"; "" when it throws none.
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return std::to_string(error.code()) + ' ' + error.what();
-  }
-  return "";
-}
-
 std::string error_in(const std::string& text, const std::vector<std::string>& sets = {}) {
-  return error_of([&] { parse_config(text, "a/f.toml", sets); });
+  return tests::coded_refusal_of([&] { parse_config(text, "a/f.toml", sets); });
 }
 
 Config with(const std::vector<std::string>& sets) { return parse_config(kScene, "f.toml", sets); }
@@ -324,7 +314,7 @@ TEST(Config, DotsInTextAndCommentsAreNoKeys) {
 TEST(Config, TitlesOfOddFileNamesAreText) {
   EXPECT_EQ(parse_config(kScene, "a\xff\nb.toml").title, "a??b");
   expect_idempotent(parse_config(kScene, "a\xff\n\"b\\.toml"));
-  EXPECT_EQ(error_of([] { parse_config("x", "a\nb.toml"); }).find("3 a?b.toml:1:"), 0u);
+  EXPECT_EQ(tests::coded_refusal_of([] { parse_config("x", "a\nb.toml"); }).find("3 a?b.toml:1:"), 0u);
 }
 
 TEST(Config, CountsCharactersOfTitlesNotBytes) {
@@ -396,7 +386,7 @@ TEST(Set, NamesItselfInErrors) {
   const std::string text =
       "steps = 9\n[scene]\nkind = \"falling\"\n\n[[algorithm]]\nname = \"facet_vectors\"\nstride = 5\n";
   for (const auto& [set, message] : cases) {
-    const std::string got = error_of([&] { parse_config(text, "f.toml", {set}); });
+    const std::string got = tests::coded_refusal_of([&] { parse_config(text, "f.toml", {set}); });
     EXPECT_NE(got.find(message), std::string::npos) << one_line(set) << " gave: " << got << "\nexpected: " << message;
     EXPECT_EQ(got.find('\n'), std::string::npos) << got;
   }
@@ -519,7 +509,7 @@ TEST(ParseAlgorithm, NamesItselfInErrors) {
       {"facet_vectors:stride=1\nlabel=2", "must be one value, not several lines"},
   };
   for (const auto& [argument, message] : cases) {
-    const std::string got = error_of([&] { parse_algorithm(argument); });
+    const std::string got = tests::coded_refusal_of([&] { parse_algorithm(argument); });
     EXPECT_NE(got.find(message), std::string::npos)
         << one_line(argument) << " gave: " << got << "\nexpected: " << message;
     EXPECT_EQ(got.find('\n'), std::string::npos) << got;

@@ -7,19 +7,14 @@
 #include <fstream>
 
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace pipeline {
 namespace {
 
 std::string refusal(const std::filesystem::path& path, std::uint64_t most = 100) {
-  try {
-    text_of_file(path, most, "name another");
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kFile);
-    return error.what();
-  }
-  return "";
+  return tests::refusal_of([&] { text_of_file(path, most, "name another"); }, kFile);
 }
 
 TEST(Foreign, ReadsARegularFileUpToItsBound) {

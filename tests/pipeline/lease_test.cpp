@@ -10,11 +10,11 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <thread>
 #include <vector>
 
 #include "pipeline/system/file_bytes.hpp"
+#include "tests/support/files.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace pipeline;
@@ -30,10 +30,7 @@ struct Folder {
   int in = opened.number();
 
   fs::path at(const char* name) const { return folder / name; }
-  std::string text(const char* name) const {
-    std::ifstream file(at(name));
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string text(const char* name) const { return tests::bytes_of(at(name)); }
   /// As if it had been touched so long ago, by the folder's clock.
   void age(const char* name, double seconds) const {
     timespec now;
@@ -42,9 +39,7 @@ struct Folder {
     const timespec times[2] = {then, then};
     ASSERT_EQ(utimensat(in, name, times, 0), 0);
   }
-  std::size_t files() const {
-    return std::size_t(std::distance(fs::directory_iterator(folder / ""), fs::directory_iterator{}));
-  }
+  std::size_t files() const { return tests::names_in(folder / "").size(); }
 };
 
 constexpr char kElsewhere[] =

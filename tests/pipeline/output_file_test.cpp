@@ -7,28 +7,19 @@
 
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <memory>
 #include <set>
 
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace pipeline;
 namespace fs = std::filesystem;
+using tests::bytes_of, tests::names_in;
 
 namespace {
-
-std::set<std::string> names_in(const fs::path& folder) {
-  std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
-  return names;
-}
-
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 void put(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
 
@@ -44,13 +35,7 @@ fs::path in_the_making(const fs::path& folder) {
 
 template <class Act>
 std::string refusal(Act act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kFile);
-    return error.what();
-  }
-  return "";
+  return tests::refusal_of(act, kFile);
 }
 
 mode_t mode_of(const fs::path& file) {
@@ -58,26 +43,26 @@ mode_t mode_of(const fs::path& file) {
   return stat(file.c_str(), &status) == 0 ? status.st_mode & 07777 : 0;
 }
 
-class TargetTest : public testing::Test {
+class OutputFileTest : public testing::Test {
  protected:
-  TargetTest() { fs::create_directory(folder); }
+  OutputFileTest() { fs::create_directory(folder); }
   const TemporaryFolder temporary;
   const fs::path folder = temporary / "results", file = folder / "x.h5";
 };
 
 }  // namespace
 
-TEST_F(TargetTest, ComesToItsPlaceWholeAndLeavesNothingElse) {
+TEST_F(OutputFileTest, ComesToItsPlaceWholeAndLeavesNothingElse) {
   {
     OutputFile target(file, Existing::refuse);
     EXPECT_FALSE(fs::exists(file));
     write(target, "whole");
   }
-  EXPECT_EQ(text_of(file), "whole");
+  EXPECT_EQ(bytes_of(file), "whole");
   EXPECT_EQ(names_in(folder), std::set<std::string>{"x.h5"});
 }
 
-TEST_F(TargetTest, KeepsASecondWriterOutUntilItEnds) {
+TEST_F(OutputFileTest, KeepsASecondWriterOutUntilItEnds) {
   const auto second = [&] { OutputFile(file, Existing::replace); };
   {
     const OutputFile first(file, Existing::replace);
@@ -87,7 +72,7 @@ TEST_F(TargetTest, KeepsASecondWriterOutUntilItEnds) {
   EXPECT_EQ(names_in(folder), std::set<std::string>{});
 }
 
-TEST_F(TargetTest, SweepsWhatAKillLeftAndNothingElse) {
+TEST_F(OutputFileTest, SweepsWhatAKillLeftAndNothingElse) {
   const std::set<std::string> others{".x.h5.new",          "x.h5.0123abcd.new",  ".y.h5.0123abcd.new",
                                      ".x.h5.0123abcd.old", ".x.h5.0123ABCD.new", ".x.h5.123.new"};
   for (const std::string& name : others) put(folder / name, "other");
@@ -101,7 +86,7 @@ TEST_F(TargetTest, SweepsWhatAKillLeftAndNothingElse) {
 }
 
 // Killed after the result's rename: the same command is refused, and yet clears away.
-TEST_F(TargetTest, SweepsAlsoWhereItRefuses) {
+TEST_F(OutputFileTest, SweepsAlsoWhereItRefuses) {
   put(file, "result");
   put(folder / ".x.h5.lock", "");
   put(folder / ".x.h5.0123abcd.new", "half a result");
@@ -110,14 +95,14 @@ TEST_F(TargetTest, SweepsAlsoWhereItRefuses) {
 }
 
 // Results were written through a link that stood at their predictable name with ".new".
-TEST_F(TargetTest, FollowsNoLink) {
+TEST_F(OutputFileTest, FollowsNoLink) {
   put(folder / "precious", "precious");
   fs::create_symlink("precious", folder / ".x.h5.new");
   {
     OutputFile target(file, Existing::refuse);
     write(target, "result");
   }
-  EXPECT_EQ(text_of(folder / "precious"), "precious");
+  EXPECT_EQ(bytes_of(folder / "precious"), "precious");
   EXPECT_TRUE(fs::is_symlink(folder / ".x.h5.new"));
 
   fs::create_symlink("precious", folder / ".y.h5.lock");
@@ -125,18 +110,18 @@ TEST_F(TargetTest, FollowsNoLink) {
   fs::create_symlink("precious", folder / "z.h5");
   for (const Existing existing : {Existing::refuse, Existing::replace, Existing::update})
     EXPECT_NE(refusal([&] { OutputFile(folder / "z.h5", existing); }), "");
-  EXPECT_EQ(text_of(folder / "precious"), "precious");
+  EXPECT_EQ(bytes_of(folder / "precious"), "precious");
 }
 
-TEST_F(TargetTest, TakesNoLockFileOfAnother) {
+TEST_F(OutputFileTest, TakesNoLockFileOfAnother) {
   put(folder / ".x.h5.lock", "pid 7");
   EXPECT_NE(refusal([&] { OutputFile(file, Existing::refuse); }).find("another program's .x.h5.lock"),
             std::string::npos);
-  EXPECT_EQ(text_of(folder / ".x.h5.lock"), "pid 7");
+  EXPECT_EQ(bytes_of(folder / ".x.h5.lock"), "pid 7");
 }
 
 // What stood at the name in the end became the result, whoever had put it there.
-TEST_F(TargetTest, AFileSwappedInTheMakingNeverBecomesTheResult) {
+TEST_F(OutputFileTest, AFileSwappedInTheMakingNeverBecomesTheResult) {
   put(file, "before");
   for (const bool link : {false, true}) {
     OutputFile target(file, Existing::replace);
@@ -147,14 +132,14 @@ TEST_F(TargetTest, AFileSwappedInTheMakingNeverBecomesTheResult) {
     else
       put(making, "forged");
     EXPECT_NE(refusal([&] { write(target, "result"); }).find("another program put its file"), std::string::npos);
-    EXPECT_EQ(text_of(file), "before");
+    EXPECT_EQ(bytes_of(file), "before");
     fs::remove(making);
   }
 }
 
 // Whatever wrote into the file meanwhile (it was stderr's number once): what is on the disk is what was meant, or it is
 // told.
-TEST_F(TargetTest, IsReadBack) {
+TEST_F(OutputFileTest, IsReadBack) {
   {
     OutputFile target(file, Existing::refuse);
     std::ofstream(in_the_making(folder), std::ios::app) << "resuming";
@@ -163,7 +148,7 @@ TEST_F(TargetTest, IsReadBack) {
   EXPECT_EQ(names_in(folder), std::set<std::string>{});
 }
 
-TEST_F(TargetTest, KeepsTheModeOfTheFileThatItReplaces) {
+TEST_F(OutputFileTest, KeepsTheModeOfTheFileThatItReplaces) {
   for (const mode_t mode : {0600, 0640, 0666, 0444}) {
     put(file, "before");
     ASSERT_EQ(chmod(file.c_str(), mode), 0);
@@ -173,12 +158,12 @@ TEST_F(TargetTest, KeepsTheModeOfTheFileThatItReplaces) {
       write(target, "after");
     }
     EXPECT_EQ(mode_of(file), mode);
-    EXPECT_EQ(text_of(file), "after");
+    EXPECT_EQ(bytes_of(file), "after");
     fs::remove(file);
   }
 }
 
-TEST_F(TargetTest, KeepsTheOwnerWhereThatIsAllowed) {
+TEST_F(OutputFileTest, KeepsTheOwnerWhereThatIsAllowed) {
   if (geteuid() != 0) GTEST_SKIP() << "only root gives files to others";
   put(file, "before");
   ASSERT_EQ(chown(file.c_str(), 1234, 4321), 0);
@@ -192,7 +177,7 @@ TEST_F(TargetTest, KeepsTheOwnerWhereThatIsAllowed) {
   EXPECT_EQ(status.st_gid, 4321u);
 }
 
-TEST_F(TargetTest, AnUpdateNeverReplacesWhatWasReplacedOrChangedMeanwhile) {
+TEST_F(OutputFileTest, AnUpdateNeverReplacesWhatWasReplacedOrChangedMeanwhile) {
   const auto replaced = [&] {
     put(folder / "newer", "newer");
     fs::rename(folder / "newer", file);
@@ -204,19 +189,19 @@ TEST_F(TargetTest, AnUpdateNeverReplacesWhatWasReplacedOrChangedMeanwhile) {
     put(file, "before");
     OutputFile target(file, Existing::update);
     meanwhile();
-    const std::string kept = fs::exists(file) ? text_of(file) : "";
+    const std::string kept = fs::exists(file) ? bytes_of(file) : "";
     EXPECT_NE(refusal([&] { write(target, "result"); }).find("changed by another program meanwhile"),
               std::string::npos);
-    EXPECT_EQ(fs::exists(file) ? text_of(file) : "", kept);
+    EXPECT_EQ(fs::exists(file) ? bytes_of(file) : "", kept);
   }
   fs::remove(file);
   OutputFile target(file, Existing::update);
   put(file, "appeared");
   EXPECT_NE(refusal([&] { write(target, "result"); }).find("meanwhile"), std::string::npos);
-  EXPECT_EQ(text_of(file), "appeared");
+  EXPECT_EQ(bytes_of(file), "appeared");
 }
 
-TEST_F(TargetTest, RemovesAllFoldersThatItMadeWhenNothingWasWritten) {
+TEST_F(OutputFileTest, RemovesAllFoldersThatItMadeWhenNothingWasWritten) {
   { OutputFile(folder / "a/b/c/x.h5", Existing::refuse); }
   EXPECT_EQ(names_in(folder), std::set<std::string>{});
   fs::create_directory(folder / "a");
@@ -227,5 +212,5 @@ TEST_F(TargetTest, RemovesAllFoldersThatItMadeWhenNothingWasWritten) {
     OutputFile target(folder / "a/b/x.h5", Existing::refuse);
     write(target, "result");
   }
-  EXPECT_EQ(text_of(folder / "a/b/x.h5"), "result");
+  EXPECT_EQ(bytes_of(folder / "a/b/x.h5"), "result");
 }

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include "pipeline/config.hpp"
 #include "pipeline/result/products/physics.hpp"
@@ -14,6 +12,7 @@
 #include "pipeline/stages/detect.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/files.hpp"
 #include "tests/support/synthetic_result.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -58,11 +57,6 @@ struct Fixture {
   Truth truth;
   std::vector<PassRow> rows;
 };
-
-std::string bytes(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 const double kRoot3 = std::sqrt(3.0);
 const double kHalfWay = kRoot3 + kRoot3 + 1;  // bounding radii |(1, 1, 1)| of ball and cube, and 1 m
@@ -244,7 +238,7 @@ TEST(Passes, WrittenReadAndWrittenAgainAreTheSameBytes) {
   EXPECT_TRUE(std::isnan(again.products.find<Passes>()->answers[0].first[1]));
   EXPECT_EQ(again.products.find<Passes>()->answers[0].hits, (std::vector<std::uint64_t>{3, 4}));
   write_result(again, folder / "b.h5");
-  EXPECT_EQ(bytes(folder / "a.h5"), bytes(folder / "b.h5"));
+  EXPECT_EQ(tests::bytes_of(folder / "a.h5"), tests::bytes_of(folder / "b.h5"));
 
   // They count into the root's digest.
   again.products.find<Passes>()->answers[0].flicker[1] = 9;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/refusal.hpp"
 
 using namespace pipeline;
 using geometry::Vec3;
@@ -25,13 +26,7 @@ std::vector<std::vector<geometry::Pose>> read(const std::string& text, const std
 }
 
 std::string error_of(const std::string& text, const std::vector<CsvBody>& bodies = kBodies) {
-  try {
-    parse_poses(text, "p.csv", bodies);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kInput);
-    return error.what();
-  }
-  return "";
+  return tests::refusal_of([&] { parse_poses(text, "p.csv", bodies); });
 }
 
 }  // namespace
@@ -190,14 +185,7 @@ geometry::Pose only_pose(const std::string& text, const CsvRules& rules = {}) {
 }
 
 std::string refusal(const std::string& text, const CsvRules& rules = {}, const std::vector<CsvBody>& bodies = kOne) {
-  try {
-    parse_poses(text, "p.csv", bodies, rules);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kInput);
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
-    return error.what();
-  }
-  return "";
+  return tests::refusal_of([&] { parse_poses(text, "p.csv", bodies, rules); });
 }
 
 }  // namespace
@@ -344,11 +332,8 @@ TEST(PosesCsv, FilesOfOneSceneAreSampledTogether) {
   const auto joined = [&](const std::string& rows) -> std::string {
     CsvMotion motion = file("0" + pose + "0.1" + pose + "0.2" + pose), other = file(rows);
     other.tracks.insert(other.tracks.begin(), CsvTrack{});
-    try {
-      join(motion, std::move(other), "q.txt");
-    } catch (const Error& error) {
-      return error.what();
-    }
+    const std::string line = tests::refusal_of([&] { join(motion, std::move(other), "q.txt"); });
+    if (!line.empty()) return line;
     EXPECT_EQ(motion.tracks.size(), 2u);
     EXPECT_EQ(motion.tracks[1].poses.size(), 3u);
     return "";

@@ -8,6 +8,8 @@
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/motion.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/scene_size.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace pipeline;
@@ -24,13 +26,7 @@ Config box(std::vector<std::string> sets = {}, const std::string& more = "") {
 
 /// The user's error; "" when there is none.
 std::string refusal(const std::vector<std::string>& sets) {
-  try {
-    box(sets);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kInput);
-    return error.what();
-  }
-  return "";
+  return tests::refusal_of([&] { box(sets); });
 }
 
 /// The motion in a part of its own, or in `folder` if it is given.
@@ -133,16 +129,7 @@ TEST(BoxScene, ContactRadiusIsInscribedUnlessNominalIsAsked) {
 
 TEST(BoxScene, SizeIsKnownWithoutMakingIt) {
   const Config config = box({"scene.births.count=5"});
-  const SceneSize size = config.scene_kind->size(config);
-  const Scene scene = config.scene_kind->make(config);
-  std::uint64_t vertices = 0, triangles = 0, body_vertices = 0;
-  for (const auto& mesh : scene.bodies.meshes) vertices += mesh.vertices.size(), triangles += mesh.triangles.size();
-  for (std::uint32_t b = 0; b < scene.bodies.size(); ++b) body_vertices += scene.bodies.mesh_of(b).vertices.size();
-  EXPECT_EQ(size.bodies, scene.bodies.size());
-  EXPECT_EQ(size.meshes, scene.bodies.meshes.size());
-  EXPECT_EQ(size.mesh_vertices, vertices);
-  EXPECT_EQ(size.mesh_triangles, triangles);
-  EXPECT_EQ(size.body_vertices, body_vertices);
+  tests::expect_size(config.scene_kind->size(config), config.scene_kind->make(config));
 }
 
 TEST(BoxScene, ExplicitPhysicsWinsOverThePresets) {
@@ -355,18 +342,12 @@ TEST(BoxMotion, ABirthWithoutAPlaceIsTheUsersError) {
   const Config config = box({"steps=100", "scene.half_width=2", "scene.births.count=60", "scene.births.every=1"});
   std::string first;
   for (int i = 0; i < 2; ++i) {
-    try {
-      motion_of(config);
-      FAIL() << "60 spheres were placed";
-    } catch (const Error& error) {
-      const std::string what = error.what();
-      EXPECT_EQ(error.code(), kInput);
-      EXPECT_EQ(what.find("box.toml: sphere_"), 0u) << what;
-      EXPECT_NE(what.find(" must be born at step "), std::string::npos) << what;
-      EXPECT_NE(what.find("lower scene.births.count"), std::string::npos) << what;
-      EXPECT_TRUE(first.empty() || first == what) << first << '\n' << what;
-      first = what;
-    }
+    const std::string what = tests::refusal_of([&] { motion_of(config); });
+    EXPECT_EQ(what.find("box.toml: sphere_"), 0u) << what;
+    EXPECT_NE(what.find(" must be born at step "), std::string::npos) << what;
+    EXPECT_NE(what.find("lower scene.births.count"), std::string::npos) << what;
+    EXPECT_TRUE(first.empty() || first == what) << first << '\n' << what;
+    first = what;
   }
 }
 

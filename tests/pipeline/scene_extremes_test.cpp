@@ -12,6 +12,8 @@
 #include "pipeline/stages/extremes.hpp"
 #include "pipeline/stages/truth.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/scene_size.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace pipeline;
@@ -38,13 +40,7 @@ bool oracle_meets(const geometry::Bodies& bodies, std::uint32_t a, const Pose& a
 }
 
 std::string refusal(const std::string& keys, const std::string& root = "") {
-  try {
-    extremes(keys, root);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kInput);
-    return error.what();
-  }
-  return "accepted";
+  return tests::refusal_of([&] { extremes(keys, root); });
 }
 
 Truth truth_of(const Scene& scene, Containment containment = Containment::ignore) {
@@ -146,14 +142,7 @@ TEST(Extremes, SizeAndStepsAreKnownWithoutMakingIt) {
   const Config config = extremes();
   const SceneSize size = config.scene_kind->size(config);
   const Scene scene = made(config);
-  std::uint64_t vertices = 0, triangles = 0, body_vertices = 0;
-  for (const auto& mesh : scene.bodies.meshes) vertices += mesh.vertices.size(), triangles += mesh.triangles.size();
-  for (std::uint32_t b = 0; b < scene.bodies.size(); ++b) body_vertices += scene.bodies.mesh_of(b).vertices.size();
-  EXPECT_EQ(size.bodies, scene.bodies.size());
-  EXPECT_EQ(size.meshes, scene.bodies.meshes.size());
-  EXPECT_EQ(size.mesh_vertices, vertices);
-  EXPECT_EQ(size.mesh_triangles, triangles);
-  EXPECT_EQ(size.body_vertices, body_vertices);
+  tests::expect_size(size, scene);
   EXPECT_EQ(size.asked.at("case_sets"), scene.case_sets.size());
   EXPECT_EQ(config.steps, std::int64_t(scene.script.size()));
   EXPECT_EQ(scene.cases.size(), scene.script.size());

@@ -8,6 +8,8 @@
 #include "pipeline/scene/scene.hpp"
 #include "pipeline/stages/passes.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/scene_size.hpp"
 
 using namespace pipeline;
 using geometry::Vec3;
@@ -23,13 +25,7 @@ Config playground(const std::string& keys = "", const std::string& root = "") {
 Scene made(const Config& config) { return config.scene_kind->make(config); }
 
 std::string refusal(const std::string& keys, const std::string& root = "") {
-  try {
-    playground(keys, root);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kInput);
-    return error.what();
-  }
-  return "accepted";
+  return tests::refusal_of([&] { playground(keys, root); });
 }
 
 std::uint32_t body(const Scene& scene, const std::string& name) {
@@ -215,14 +211,7 @@ TEST(Playground, SizeIsKnownWithoutMakingIt) {
     const Config config = playground(keys);
     const SceneSize size = config.scene_kind->size(config);
     const Scene scene = made(config);
-    std::uint64_t vertices = 0, triangles = 0, body_vertices = 0;
-    for (const auto& mesh : scene.bodies.meshes) vertices += mesh.vertices.size(), triangles += mesh.triangles.size();
-    for (std::uint32_t b = 0; b < scene.bodies.size(); ++b) body_vertices += scene.bodies.mesh_of(b).vertices.size();
-    EXPECT_EQ(size.bodies, scene.bodies.size());
-    EXPECT_EQ(size.meshes, scene.bodies.meshes.size());
-    EXPECT_EQ(size.mesh_vertices, vertices);
-    EXPECT_EQ(size.mesh_triangles, triangles);
-    EXPECT_EQ(size.body_vertices, body_vertices);
+    tests::expect_size(size, scene);
     EXPECT_EQ(size.asked.at("passes"), scene.passes.size());
     EXPECT_EQ(size.pairs, geometry::pair_count(geometry::pair_runs(scene.bodies, scene.script[0])));
   }

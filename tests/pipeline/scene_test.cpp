@@ -7,6 +7,7 @@
 #include <set>
 
 #include "pipeline/config.hpp"
+#include "tests/support/scene_size.hpp"
 
 using namespace pipeline;
 
@@ -114,16 +115,7 @@ TEST(FallingScene, ContactRadiusIsInscribedUnlessNominalIsAsked) {
 TEST(FallingScene, SizeIsKnownWithoutMakingIt) {
   for (const char* keys : {"", "segments = 4\n[[scene.set]]\nlying = [3, 2]\nabove = [0, 0, 0]\n", kSolids}) {
     const Config config = falling(keys);
-    const SceneSize size = config.scene_kind->size(config);
-    const Scene scene = made(config);
-    std::uint64_t vertices = 0, triangles = 0, body_vertices = 0;
-    for (const auto& mesh : scene.bodies.meshes) vertices += mesh.vertices.size(), triangles += mesh.triangles.size();
-    for (std::uint32_t b = 0; b < scene.bodies.size(); ++b) body_vertices += scene.bodies.mesh_of(b).vertices.size();
-    EXPECT_EQ(size.bodies, scene.bodies.size());
-    EXPECT_EQ(size.meshes, scene.bodies.meshes.size());
-    EXPECT_EQ(size.mesh_vertices, vertices);
-    EXPECT_EQ(size.mesh_triangles, triangles);
-    EXPECT_EQ(size.body_vertices, body_vertices);
+    tests::expect_size(config.scene_kind->size(config), made(config));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/refusal.hpp"
 
 using namespace pipeline;
 
@@ -14,13 +15,7 @@ Shape shape_of(const std::string& keys, const std::vector<std::string>& others =
 }
 
 std::string refusal(const std::string& keys) {
-  try {
-    shape_of(keys);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kInput);
-    return error.what();
-  }
-  return "accepted";
+  return tests::refusal_of([&] { shape_of(keys); });
 }
 
 std::string written(const Shape& shape) {

@@ -11,6 +11,7 @@
 #include "geometry/bodies.hpp"
 #include "geometry/meshes/shapes.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/rigid.hpp"
 
 namespace {
@@ -287,12 +288,8 @@ TEST(SolidBody, MovesFreeAsInTheTree) {
 // ---- rules
 
 std::string refusal(geometry::Mesh mesh, int most = 16) {
-  try {
-    pipeline::place_contact_spheres(mesh, most, geometry::kClosedWithin, "here", "\"it\"");
-  } catch (const pipeline::Error& error) {
-    return error.what();
-  }
-  return "";
+  return tests::refusal_of(
+      [&] { pipeline::place_contact_spheres(mesh, most, geometry::kClosedWithin, "here", "\"it\""); });
 }
 
 TEST(SolidBody, RefusesWhatIsNoSolid) {

@@ -10,45 +10,34 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
-#include <iterator>
+#include <set>
 
 #include "pipeline/result/hdf5/h5.hpp"
 #include "pipeline/result/products/extremes.hpp"
 #include "pipeline/result/products/physics.hpp"
 #include "pipeline/result/seal.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/synthetic_result.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace pipeline {
 namespace {
 
 namespace fs = std::filesystem;
+using tests::bytes_of;
 
 /// A folder of its own for every test, removed afterwards.
 class Store : public testing::Test {
  protected:
-  Store() {
-    std::string pattern = (fs::temp_directory_path() / "store_test_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~Store() override { fs::remove_all(folder_); }
-
   fs::path file(const std::string& name = "result.h5") const { return folder_ / name; }
 
-  std::vector<std::string> files() const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename());
-    return names;
-  }
+  std::set<std::string> files() const { return tests::names_in(folder_ / ""); }
 
  private:
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 void put(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
@@ -69,30 +58,17 @@ void change(const fs::path& path, const std::function<void(hid_t)>& how) {
 
 /// The line of the Error that reading ends with; also checks its code and that it is one line about this file.
 std::string reading_fails(const fs::path& path) {
-  try {
-    read_result(path);
-  } catch (const Error& error) {
-    const std::string line = error.what();
-    EXPECT_EQ(error.code(), kFile) << line;
-    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
-    EXPECT_EQ(line.rfind(path.string() + ": ", 0), 0u) << line;
-    EXPECT_NE(line.find("; "), std::string::npos) << "no remedy: " << line;
-    return line;
-  }
-  ADD_FAILURE() << path << " was read";
-  return {};
+  const std::string line = tests::refusal_of([&] { read_result(path); }, kFile);
+  EXPECT_EQ(line.rfind(path.string() + ": ", 0), 0u) << line;
+  EXPECT_NE(line.find("; "), std::string::npos) << "no remedy: " << line;
+  return line;
 }
 
 std::string writing_fails(const fs::path& path) {
   Result result = synthetic_result();
-  try {
-    write_result(result, path);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kFile) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << path << " was written";
-  return {};
+  const std::string line = tests::refusal_of([&] { write_result(result, path); }, kFile);
+  EXPECT_NE(line, "") << path << " was written";
+  return line;
 }
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
@@ -401,7 +377,7 @@ TEST_F(Store, ReplacesAnExistingFileAndLeavesNothingBeside) {
   Result result = synthetic_result();
   write_result(result, file());
   EXPECT_EQ(read_result(file()).digest, result.digest);
-  EXPECT_EQ(files(), std::vector<std::string>{"result.h5"});
+  EXPECT_EQ(files(), std::set<std::string>{"result.h5"});
 }
 
 TEST_F(Store, SaysThatAFileIsMissing) { EXPECT_NE(reading_fails(file()).find("No such file"), std::string::npos); }
@@ -702,7 +678,7 @@ TEST_F(Store, KeepsTheOldFileWhenThereIsNoRoom) {
   EXPECT_NE(line.find("cannot be written (File too large)"), std::string::npos) << line;
   EXPECT_EQ(line.find('\n'), std::string::npos) << line;
   EXPECT_TRUE(bytes_of(file()) == before);
-  EXPECT_EQ(files(), std::vector<std::string>{"result.h5"});
+  EXPECT_EQ(files(), std::set<std::string>{"result.h5"});
 }
 
 // For the tests in Python: writes the made-up result where RESULT_FILE says, when it says so.

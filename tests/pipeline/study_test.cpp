@@ -11,6 +11,7 @@
 #include "pipeline/result/checkpoint.hpp"
 #include "pipeline/study/problem.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace {
@@ -28,13 +29,7 @@ Config study(const std::string& sweeps, const std::string& root = "") {
 
 /// The message of a configuration that is refused, of which the code must be that of the user's input.
 std::string refusal(const std::string& text) {
-  try {
-    parse_config(text, "s.toml");
-  } catch (const pipeline::Error& error) {
-    EXPECT_EQ(error.code(), pipeline::kInput);
-    return error.what();
-  }
-  return "";
+  return tests::refusal_of([&] { parse_config(text, "s.toml"); });
 }
 
 /// The only case of one sweep, integrated.

@@ -4,6 +4,7 @@
 
 #include "pipeline/scene/robot.hpp"
 #include "pipeline/terminal/error.hpp"
+#include "tests/support/refusal.hpp"
 
 using namespace pipeline;
 
@@ -16,17 +17,6 @@ std::string joint(const std::string& name, const std::string& above, const std::
          "\"/>" + more + "</joint>\n";
 }
 Urdf robot(const std::string& inside) { return parse_urdf("<robot name=\"r\">\n" + inside + "</robot>", "r.urdf"); }
-
-template <class Work>
-std::string error_of(const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), kInput);
-    return error.what();
-  }
-  return "";
-}
 
 }  // namespace
 
@@ -51,7 +41,7 @@ TEST(Urdf, OriginsTurnAboutFixedAxes) {
 }
 
 TEST(Urdf, NamesTheLineOfWhatIsWrong) {
-  const auto said = [](const std::string& inside) { return error_of([&] { robot(inside); }); };
+  const auto said = [](const std::string& inside) { return tests::refusal_of([&] { robot(inside); }); };
   EXPECT_EQ(said(link("a") + link("b") + joint("j", "a", "b") + joint("k", "b", "a")),
             "r.urdf:5: link \"a\" hangs on itself: the joints make a circle");
   EXPECT_EQ(said(link("a") + link("b") + joint("j", "a", "b") + joint("k", "a", "b")),
@@ -60,8 +50,9 @@ TEST(Urdf, NamesTheLineOfWhatIsWrong) {
   EXPECT_EQ(said(""), "r.urdf:1: has no link");
   EXPECT_EQ(said(link("a") + link("b") + joint("j", "a", "b", "<mimic joint=\"j\"/>")),
             "r.urdf:4: joint \"j\" follows one that has no value of its own");
-  EXPECT_EQ(error_of([] { parse_urdf("<robot>\n<link name=\"a\">\n</robot>", "r.urdf"); }).substr(0, 7), "r.urdf:");
-  EXPECT_EQ(error_of([] { parse_urdf("", "r.urdf"); }).substr(0, 9), "r.urdf:1:");
+  EXPECT_EQ(tests::refusal_of([] { parse_urdf("<robot>\n<link name=\"a\">\n</robot>", "r.urdf"); }).substr(0, 7),
+            "r.urdf:");
+  EXPECT_EQ(tests::refusal_of([] { parse_urdf("", "r.urdf"); }).substr(0, 9), "r.urdf:1:");
 }
 
 TEST(Urdf, JointsAreKnownByTheirNames) {
@@ -73,7 +64,7 @@ TEST(Urdf, JointsAreKnownByTheirNames) {
   EXPECT_DOUBLE_EQ(v.values[0][1], 0.5);
   EXPECT_EQ(v.values[0][2], 0);
   EXPECT_EQ(v.understood, "joints one [deg], two_m [cm]; left out: speed");
-  const auto said = [&](const std::string& text) { return error_of([&] { parse_joints(text, "j.csv", r); }); };
+  const auto said = [&](const std::string& text) { return tests::refusal_of([&] { parse_joints(text, "j.csv", r); }); };
   EXPECT_EQ(said("step,one,two_n\n0,1,2\n"), "j.csv:1: joint \"two_m\" has no column; did you mean 'two_n'?");
   EXPECT_EQ(said("step,one,two_m,stuck\n"), "j.csv:1: joint \"stuck\" is fixed; leave its column out");
   EXPECT_EQ(said("one,two_m\n1,2\n"), "j.csv:1: has neither a column 'step' nor 'time'");

@@ -55,6 +55,11 @@ inline Scene two(const Mesh& a, const Pose& pose_a, const Mesh& b, const Pose& p
   return scene;
 }
 
+inline Knobs with(Knobs knobs, const Knobs& more) {
+  for (const auto& [key, value] : more) knobs[key] = value;
+  return knobs;
+}
+
 /// The presets of the algorithm with some changes, each checked as a configuration's would be.
 inline Knobs knobs(const std::string& name, const Knobs& changes) {
   const algorithms::Algorithm* algorithm = algorithms::find(name);
@@ -170,6 +175,70 @@ inline Scene random_pair(Random& random, int i) {
       return two(geometry::sphere("sphere", 1, 4), pose, geometry::sphere("sphere", 0.7, 5), other);
     }
   }
+}
+
+// ---- Facts of several of them; the tests of each ask.
+
+inline void expect_the_same_in_either_order(const std::string& name, std::uint64_t seed, int count,
+                                            const Knobs& knobs = {}) {
+  SCOPED_TRACE(seed);
+  Random random(seed);
+  for (int i = 0; i < count; ++i) {
+    const Scene scene = random_pair(random, i);
+    EXPECT_EQ(hit(name, scene, knobs), hit(name, swapped(scene), knobs)) << i;
+  }
+}
+
+/// A shift that keeps coordinates exact changes no answer.
+inline void expect_the_same_elsewhere(const std::string& name, std::uint64_t seed, int count, const Knobs& knobs) {
+  SCOPED_TRACE(seed);
+  Random random(seed);
+  for (int i = 0; i < count; ++i) {
+    const Scene scene = random_pair(random, 3 * i + 1);  // lattice points
+    EXPECT_EQ(hit(name, scene, knobs), hit(name, shifted(scene, {4096, -512, 64}), knobs)) << i;
+  }
+}
+
+inline void expect_unborn_bodies_in_no_pair(const std::string& name, const Knobs& knobs = {}) {
+  Scene scene = two(geometry::sphere("a", 1, 16), at(0, 0, 0), geometry::sphere("b", 1, 16), geometry::unborn());
+  scene.add(geometry::sphere("c", 1, 16), at(0.1, 0, 0));
+  EXPECT_EQ(ask(name, scene, knobs).hits, (std::vector<Pair>{{0, 2}}));
+}
+
+// Of the two that compare triangles of three sampled points:
+
+inline void expect_blind_to_what_is_inside(const std::string& name) {
+  const Mesh big = geometry::sphere("big", 1, 16), small = geometry::sphere("small", 0.1, 16);
+  EXPECT_FALSE(hit(name, two(big, at(0, 0, 0), small, at(0.3, 0.3, 0.3))));
+  EXPECT_FALSE(hit(name, two(big, at(0, 0, 0), small, at(0, 0, 0)), {{"stride", std::int64_t{5}}}));
+}
+
+/// A ring of the sphere has 72 facets, so three points at stride 20 lie 100 degrees apart and span a disc through the
+/// sphere's middle rather than its surface.
+inline void expect_to_see_by_triangles_across(const std::string& name) {
+  const Mesh big = geometry::sphere("big", 1, 16), small = geometry::sphere("small", 0.1, 16);
+  EXPECT_TRUE(hit(name, two(big, at(0, 0, 0), small, at(0, 0, 0))));
+}
+
+/// A box has twelve facets, hence one point at stride 20 and no triangle.
+inline void expect_no_hit_of_fewer_than_three_facets(const std::string& name) {
+  const Mesh box = geometry::box("box", {2, 2, 2}), sphere = geometry::sphere("sphere", 1, 16);
+  EXPECT_FALSE(hit(name, two(box, at(0, 0, 0), box, at(0.5, 0.25, 0.125))));
+  EXPECT_FALSE(hit(name, two(box, at(0, 0, 0), sphere, at(1, 0, 0))));
+  EXPECT_TRUE(hit(name, two(box, at(0, 0, 0), sphere, at(1, 0, 0)), {{"densify", true}}));
+}
+
+/// A small sphere whose middle lies on the big one's surface always crosses it, and is seen at some places only.
+inline void expect_holes(const std::string& name) {
+  const Mesh big = geometry::sphere("big", 1, 16), small = geometry::sphere("small", 0.1, 16);
+  int seen = 0, missed = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double z = 1 - (2 * i + 1) / 200.0, around = 2.399963229728653 * i, r = std::sqrt(1 - z * z);
+    const Pose pose = at(r * std::cos(around), r * std::sin(around), z);
+    (hit(name, two(big, at(0, 0, 0), small, pose), {{"prefilter", "none"}}) ? seen : missed) += 1;
+  }
+  EXPECT_GT(seen, 20);
+  EXPECT_GT(missed, 20);
 }
 
 }  // namespace facet_scenes

@@ -1,8 +1,9 @@
-// Whether two hulls share a point, by linear programming in exact numbers: another method and another arithmetic than
-// the project's own.
+// Whether two hulls, or two triangles, share a point, by linear programming in exact numbers: another method and
+// another arithmetic than the project's own.
 #pragma once
 #include <CGAL/Gmpq.h>
 
+#include <span>
 #include <vector>
 
 #include "geometry/pose.hpp"
@@ -14,7 +15,8 @@ namespace programming {
 ///     sum l_i a_i = sum m_j b_j,   sum l_i = sum m_j = 1,   l, m >= 0
 ///
 /// and the first phase of the simplex method, by Bland's rule, which always ends, finds one or none.
-inline bool hulls_meet(const std::vector<geometry::Vec3>& a, const std::vector<geometry::Vec3>& b) {
+/// Degenerate hulls are no special case.
+inline bool hulls_meet(std::span<const geometry::Vec3> a, std::span<const geometry::Vec3> b) {
   using Number = CGAL::Gmpq;
   constexpr std::size_t kRows = 5;
   const std::size_t columns = a.size() + b.size();
@@ -47,6 +49,7 @@ inline bool hulls_meet(const std::vector<geometry::Vec3>& a, const std::vector<g
       const Number mine = table[r][columns] * table[leave][enter], least = table[leave][columns] * table[r][enter];
       if (mine < least || (mine == least && basis[r] < basis[leave])) leave = r;
     }
+    // Never kRows: a positive entry of the last row is a sum with a positive entry above it.
     const Number pivot = table[leave][enter];
     for (Number& value : table[leave]) value /= pivot;
     for (std::size_t r = 0; r <= kRows; ++r) {

@@ -91,7 +91,7 @@ async function facet_points(dense, made) {
 
 const every = (points, stride) => points.filter((_, i) => i % stride === 0);
 
-/** Numbers of the first points of the triangles of so many points. */
+/** Numbers of the first points of the triangles of that many points. */
 function triangles_of(points, triangles) {
   if (!['disjoint', 'strip'].includes(triangles)) refuse(`triangles must be "disjoint" or "strip", not '${triangles}'`);
   const step = triangles === 'disjoint' ? 3 : 1, first = [];

@@ -12,6 +12,8 @@ from ..drawing import shortened
 from ..figure import Figure, figure, style, svg_of
 
 NAMED = 24  # more points than this: only the front, the ends of lines, exact methods and libraries are named
+FEW = ("Of so many labels the front, ends of lines, exact methods and libraries are named; the pointer and the numbers"
+       " below tell the others.")
 HEIGHT = 4.7  # inches, without the legend
 MARGIN = {"left": 46, "right": 10, "top": 8, "bottom": 40}  # points
 STRIP = 34  # points: the height of the strip for no error
@@ -40,7 +42,7 @@ def against(scene, points, cost, key, apart=""):
     fig, titles, nameless = _draw(points, cost)
     caption = " ".join(
         filter(None, [_caption(scene, points, cost), _asked(points, cost), apart, _left_out(left_out),
-                      _without_name(nameless)])
+                      _without_name(nameless), FEW if len(points) > NAMED else ""])
     )
     return Figure(finding(points, cost), svg_of(fig, titles), caption, _table(points, cost, scene), key)
 
@@ -49,9 +51,9 @@ def finding(points, cost):
     """What the figure shows, as a sentence."""
     if cost == "operations" and points.unit.nunique() > 1:
         ends = points.loc[points[cost].idxmin()], points.loc[points[cost].idxmax()]
-        each = [f"{number(end[cost])} {end.unit} ({end.label})" for end in ends]
+        each = [f"{number(end[cost])} a step ({end.label}: {end.unit})" for end in ends]
         return (
-            f"Elementary tests a step are of {points.unit.nunique()} kinds, which do not compare: from {each[0]} "
+            f"Elementary tests are of {points.unit.nunique()} kinds, which do not compare: from {each[0]} "
             f"to {each[1]}"
         )
     show = duration if cost == "time_mean_ns" else lambda value: f"{number(value)} operations"
@@ -78,8 +80,7 @@ def finding(points, cost):
     if not len(faster):
         return (
             f"{best.label} {least} at {show(best[cost])} and is as fast as {first.label}, {show(first[cost])}, which "
-            "errs"
-            f" {number(first.error)}: no other is worth its cost here"
+            f"errs {number(first.error)}: no other is worth its cost here"
         )
     second = faster.iloc[-1]
     words = (
@@ -114,12 +115,15 @@ def _caption(scene, points, cost):
     configs = ", ".join(dict.fromkeys(f"{r.meta.get('config_sha256', '?')[:12]}" for r in scene.runs))
     commits = ", ".join(dict.fromkeys(r.meta.get("git_commit", "?")[:7] for r in scene.runs))
     hits = int(run.truth_hits.sum())
+    reading = "Down and to the left is better; the dashed line is the Pareto front: nothing below it is cheaper."
+    if len(points) and not points.front.any():
+        reading = "Lower is better; what stands to the left of another has cost less only where both are of one kind."
     return (
         f"{scene.title}: {counted(len(points), 'label')}, {counted(run.meta['steps'], 'step')},"
         f" {counted(len(run.meta['bodies']), 'body', 'bodies')},"
-        f" {number(hits)} pairs truly meet over all steps. Down and to the left is better; the dashed line is the"
-        f" Pareto front: nothing below it is cheaper. {what if cost == 'time_mean_ns' else units} Configuration"
-        f" {configs}, motion and truth of commit {commits}. " + (machines if cost == "time_mean_ns" else "")
+        f" {number(hits)} pairs truly meet over all steps. {reading}"
+        f" {what if cost == 'time_mean_ns' else units} Configuration {configs}, motion and truth of"
+        f" commit {commits}. " + (machines if cost == "time_mean_ns" else "")
     ).strip()
 
 
@@ -130,8 +134,7 @@ def _trust(points):
     floor = pareto.widest(*points.floor) if "floor" in points else None
     words = (
         " Bars are 95 % intervals of the mean, by a block bootstrap over steps like these; which of two labels is "
-        "faster is"
-        " told by their ratio over the same steps, in the table below."
+        "faster is told by their ratio over the same steps, in the table below."
     )
     if floor is not None:
         most = max(floor.high, 1 / floor.low)
@@ -197,8 +200,7 @@ def _draw(points, cost):
     """The figure, what the pointer tells of its marks, and the labels whose names found no room."""
     crowded = len(points) > NAMED
     lines = pareto.sweeps(points) if len(points) else []
-    joined = pareto.relatives(points, cost) if len(points) else []
-    legend = _legend(points, crowded, lines, joined)
+    legend = _legend(points, crowded, lines)
     rows = -(-len(legend) // 3)
     below = MARGIN["bottom"] + 13 * rows + 4
     fig, (main, strip) = figure(
@@ -250,11 +252,9 @@ def _draw(points, cost):
 
     drawn = []
     for algorithm, _, rows in lines:
-        drawn += _line(main, points, cost, algorithm, rows, "-", 1.3)
-    for algorithm, rows in joined:
-        drawn += _line(main, points, cost, algorithm, rows, (0, (1, 2)), 1)
+        drawn += _line(main, points, cost, algorithm, rows)
     drawn += _front(main, strip, points, cost)
-    nameless = _name(fig, main, strip, points, cost, drawn, crowded, lines, joined)
+    nameless = _name(fig, main, strip, points, cost, drawn, crowded, lines)
     if legend:
         fig.legend(
             handles=legend,
@@ -337,11 +337,11 @@ def log_ticks(limits, least):
     return FixedLocator(ticks)
 
 
-def _line(axes, points, cost, algorithm, rows, dashes, width):
+def _line(axes, points, cost, algorithm, rows):
     """Draws a line through rows with an error; gives its segments in pixels."""
     rows = [row for row in rows if points.error[row] > 0]
     x, y = points[cost][rows].to_numpy(), points.error[rows].to_numpy()
-    return _stroke(axes, x, y, color=style(algorithm)["color"], linestyle=dashes, linewidth=width, alpha=0.75, zorder=2)
+    return _stroke(axes, x, y, color=style(algorithm)["color"], linestyle="-", linewidth=1.3, alpha=0.75, zorder=2)
 
 
 def _stroke(axes, x, y, **look):
@@ -372,14 +372,12 @@ def _front(main, strip, points, cost):
     return drawn
 
 
-def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
+def _name(fig, main, strip, points, cost, drawn, crowded, lines):
     """Puts names beside marks, tied by a line of the mark's colour where another mark could be meant; gives the labels
     that found no room."""
     named = set(points.index)
     if crowded:
-        ends = [rows[end] for _, _, rows in lines for end in (0, -1)] + [
-            rows[end] for _, rows in joined for end in (0, -1)
-        ]
+        ends = [rows[end] for _, _, rows in lines for end in (0, -1)]
         named = set(points.index[points.front | points.exact | points.library]) | set(ends)
     if not named:
         return []
@@ -411,7 +409,7 @@ def _name(fig, main, strip, points, cost, drawn, crowded, lines, joined):
     return nameless
 
 
-def _legend(points, crowded, lines, joined):
+def _legend(points, crowded, lines):
     """What the marks mean, as far as they occur."""
 
     def entry(label, **look):
@@ -440,9 +438,8 @@ def _legend(points, crowded, lines, joined):
                 "square: another library", marker="s", markersize=8, markerfacecolor="none", markeredgecolor="#333333"
             )
         )
-    found.append(entry("Pareto front (bold names)", linestyle=(0, (4, 2)), linewidth=1, color="#333333"))
+    if points.front.any():
+        found.append(entry("Pareto front (bold names)", linestyle=(0, (4, 2)), linewidth=1, color="#333333"))
     if lines:
         found.append(entry("one knob, all else equal", linestyle="-", linewidth=1.3))
-    if joined:
-        found.append(entry("one algorithm, other knobs", linestyle=(0, (1, 2)), linewidth=1.2))
     return found

@@ -30,9 +30,8 @@ def costs(scene, points, key):
     unknown = list(points.label[points.memory_bytes.isna()])
     unknown = f" Nothing is known of the memory of {', '.join(unknown)}." if unknown else ""
     caption = (
-        f"{scene.title}: {counted(len(points), 'label')}, the fastest per step first. Set-up is made once a run and no"
-        " part of the time per step: hierarchies, hulls, points. Memory is heap as malloc counts it, to about a "
-        "percent:"
+        f"{scene.title}: {counted(len(points), 'label')}, the fastest per step first. Set-up is made once a run and no "
+        "part of the time per step: hierarchies, hulls, points. Memory is heap as malloc counts it, to about a percent:"
         f" filled after set-up, hollow the most at any time.{rest}{unknown}"
     )
     fig, (left, right) = figure(1, 2, height=0.85 + 0.2 * max(len(drawn), 3), sharey=True)

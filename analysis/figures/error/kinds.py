@@ -53,9 +53,8 @@ def trade(scene, key):
                 fig.add_artist(Line2D(*ends.T, color=colour, linewidth=0.7, gid=f"of:{label}"))
     caption = (
         f"{scene.title}: {counted(len(points), 'label')}. On the dashed line nothing is missed: whoever may miss "
-        f"nothing chooses "
-        "there, the higher the fewer false positives; times stand in the table, which has those that miss nothing "
-        "first."
+        "nothing chooses there, the higher the fewer false positives; times stand in the table, which has those that "
+        "miss nothing first."
     )
     return Figure(_trade_finding(table), svg_of(fig, titles), caption, table, key)
 
@@ -66,7 +65,7 @@ def _trade_finding(table):
     safe = table[table.missed == 0]
     if not len(safe):
         best = table.iloc[0]
-        return f"Every label misses something; {best.label} least, {number(best.missed)} pairs"
+        return f"Every label misses something; {best.label} least, {counted(best.missed, 'pair')}"
     best = safe.loc[safe.precision.idxmax()]
     words = f"No misses first: {counted(len(safe), 'label')} {verb(len(safe), 'misses', 'miss')} nothing; "
     words += f"{best.label} has the "
@@ -130,12 +129,14 @@ def kinds(scene, key):
 
 def _kinds_finding(points, met):
     if not met:
-        return f"No pair meets; {(points.hits == 0).sum()} of {len(points)} report none either"
+        silent = (points.hits == 0).sum()
+        return (f"No pair meets; {silent or 'none'} of {len(points)} {verb(silent or 1, 'reports', 'report')} none "
+                "either")
     none_missed, none_false = (points.false_negative == 0).sum(), (points.false_positive == 0).sum()
     misses = points.loc[points.false_negative.idxmax()]
     most = points.loc[points.false_positive.idxmax()]
-    words = (f"{none_missed} of {len(points)} miss nothing, {none_false} {verb(none_false, 'has', 'have')} no false "
-             "positive")
+    words = (f"{none_missed or 'None'} of {len(points)} {verb(none_missed or 1, 'misses', 'miss')} nothing, "
+             f"{none_false or 'none'} {verb(none_false or 1, 'has', 'have')} no false positive")
     if misses.false_negative:
         words += f"; {misses.label} misses most, {number(misses.false_negative / met * 100)} % of what meets"
     if most.false_positive:

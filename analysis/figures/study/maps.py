@@ -78,10 +78,9 @@ def map_figure(run, name, key):
     map_legend(fig, table["status"][~table["finished"]])
     caption = (
         f"{table['problem'].iloc[0].replace('_', ' ')} ({name}); {len(table)} cases of {len(rows)} integrators at "
-        f"{listed(dict.fromkeys(table['setting']))}. A "
-        "cell says by how many percent of the problem's energy the balance is off at its worst: + is energy from "
-        "nowhere, 0 is less than 0.05. A letter on dark: why "
-        f"the case did not finish. An empty cell was not run. {source(run)}"
+        f"{listed(dict.fromkeys(table['setting']))}. A cell says by how many percent of the problem's energy the "
+        "balance is off at its worst: + is energy from nowhere, 0 is less than 0.05. A letter on dark: why the case "
+        f"did not finish. An empty cell was not run. {source(run)}"
     )
     return Figure(map_title(table), svg_of(fig), caption, table.drop(columns=["who", "sweep"]), key)
 
@@ -163,12 +162,10 @@ def recommendation_table(run, runs):
     })
     caption = (
         f"Cases of the sweeps over stiffness from {stiffness / study_tables.NEAR:g} to "
-        f"{stiffness * study_tables.NEAR:g} Pa. Holds: finished, with the energy within "
-        f"{100 * study_tables.BOUND:g} % of its balance all the time. Recommended is, of those that hold in all and "
-        f"need at most {studies.DEARER:g} times the force evaluations of the cheapest, the most accurate (geometric "
-        "mean). These are "
-        "small scenes: what hundreds of bodies cost (a dense Jacobian of CPodes, Verlet's convergence) is not in them. "
-        "" + " ".join(words)
+        f"{stiffness * study_tables.NEAR:g} Pa. Holds: finished, with the energy within {100 * study_tables.BOUND:g} % "
+        f"of its balance all the time. Recommended is, of those that hold in all and need at most {studies.DEARER:g} "
+        "times the force evaluations of the cheapest, the most accurate (geometric mean). These are small scenes: what "
+        "hundreds of bodies cost (a dense Jacobian of CPodes, Verlet's convergence) is not in them. " + " ".join(words)
     )
     return Table(title, frame.set_index("integrator"), caption)
 

@@ -30,8 +30,8 @@ def extremes_figure(run, key):
              "none (finished, energy within 10 %)")
     caption = (
         f"{len(table)} cases. Cells as in the stability map: energy off its balance, in percent. Cases of one name are "
-        "the naive form and the adapted ones "
-        f"beside it: units of the problem's own size, or tolerances and steps that fit it. {own_steps(table)}"
+        "the naive form and the adapted ones beside it: units of the problem's own size, or tolerances and steps that "
+        f"fit it. {own_steps(table)}"
         + source(run)
     )
     return Figure(title, svg_of(fig), caption, table.drop(columns="row"), key)
@@ -107,8 +107,7 @@ def drift_figure(run, key):
     ended = "" if status == "complete" else f" The integration {status.rstrip('.')}."
     more = drift_words(run)
     caption = (f"{number(len(table))} steps; the band is from the least to the greatest of each stretch of "
-               f"steps.{ended} "
-               f"{more[:1].upper() + more[1:] + '. ' if more else ''}{source(run)}")
+               f"steps.{ended} {more[:1].upper() + more[1:] + '. ' if more else ''}{source(run)}")
     return Figure(drift_title(table), svg_of(fig), caption, table.iloc[:: max(1, len(table) // 60)], key)
 
 

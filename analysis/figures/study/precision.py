@@ -24,13 +24,12 @@ def precision_figure(run, cost, key):
                                  best[best["apart"]])
     bare = [name for name in wanted.index if not wanted[name]]
     caption = (
-        "Error at the end (of position over the problem's length, or of orientation in rad, the greater) against "
-        "cost. A line joins one "
-        "integrator's accuracies from loose to tight; SemiExplicitEuler takes fixed steps only (dashed). Fixed steps "
-        "of the others are "
-        "in the numbers below, and drawn hollow where they cost least for an error in the title. A cross at the top "
-        f"is a case that did not finish ({lost}{f'; {idle} more ended before their first step' if idle else ''}); "
-        "errors of 0 are drawn at the bottom. "
+        "Error at the end (of position over the problem's length, or of orientation in rad, the greater) against cost. "
+        "A line joins one integrator's accuracies from loose to tight; SemiExplicitEuler takes fixed steps only "
+        "(dashed). Fixed steps of the others are in the numbers below, and drawn hollow where they cost least for an "
+        "error in the title. A cross at the top is a case that did not finish "
+        f"({lost}{f'; {idle} more ended before their first step' if idle else ''}); errors of 0 are drawn at the "
+        "bottom. "
         + (f"No case of {listed(bare)} has an error. " if bare else "") + source(run)
     )
     return Figure(title, svg_of(fig), caption, table, key)
@@ -120,8 +119,8 @@ def order_figure(run, key):
                       f"{far['nominal']:g}")
     caption = (
         f"Error against the length of fixed steps; a straight line of slope p is an order of p. {lost} cases did not "
-        "finish (crosses at the top; "
-        f"those of much shorter or longer steps stand at the edge). CPodes takes no fixed steps. {source(run)}"
+        "finish (crosses at the top; those of much shorter or longer steps stand at the edge). CPodes takes no fixed "
+        f"steps. {source(run)}"
     )
     return Figure(title, svg_of(fig), caption, table[["problem", "integrator", "fixed_step", "error", "status"]], key)
 
@@ -151,11 +150,10 @@ def orders_table(run):
     frame.index = pd.Index([integrator for integrator, _ in rows], name="integrator")
     caption = (
         "Slope of log error over log step by least squares, by accuracies over the mean step, and its standard error. "
-        f"Fitted are the finest {studies.FITTED} cases at most of "
-        f"those whose errors fall from {studies.COARSE:g} down to {studies.FLOOR:g}, where rounding takes over, from "
-        "each step to the next shorter. Erratic: the standard error is "
-        f"above {STEADY:g}, the points are on no line; a dash: fewer than three cases are in the range. Where a "
-        f"contact begins within a step, the force has no second derivative. {source(run)}"
+        f"Fitted are the finest {studies.FITTED} cases at most of those whose errors fall from {studies.COARSE:g} down "
+        f"to {studies.FLOOR:g}, where rounding takes over, from each step to the next shorter. Erratic: the standard "
+        f"error is above {STEADY:g}, the points are on no line; a dash: fewer than three cases are in the range. Where "
+        f"a contact begins within a step, the force has no second derivative. {source(run)}"
     )
     return Table("Fitted convergence orders beside the nominal ones", frame.fillna("–"), caption)
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "pipeline/result/attributes.hpp"
 #include "pipeline/result/digest.hpp"
 #include "pipeline/result/hdf5/reader.hpp"
 #include "pipeline/result/layout.hpp"
@@ -39,13 +40,18 @@ std::string json_object(const Reader& from, const std::string& path, const std::
   return text;
 }
 
-/// An attribute that is one of a few words.
-std::string one_of(const Reader& from, const std::string& path, const std::string& name,
-                   std::initializer_list<std::string_view> words) {
-  std::string text = from.attribute<std::string>(path, name);
+void read_texts(const Reader& from, const std::string& path, const auto& texts, auto& row) {
+  for (const auto& [name, member, kind] : texts) {
+    if (kind == Text::optional && !from.has_attribute(path, name)) continue;
+    row.*member = kind == Text::json ? json_object(from, path, name) : from.attribute<std::string>(path, name);
+  }
+}
+
+/// Throws when an attribute is none of a few words.
+void check_word(const std::string& path, const std::string& name, const std::string& text,
+                std::initializer_list<std::string_view> words) {
   if (std::ranges::find(words, text) == words.end())
     throw h5::Failure("attribute " + name + " of " + path + ": '" + one_line(text) + "' is not known");
-  return text;
 }
 
 double sphere_radius(const std::string& shape) {
@@ -111,20 +117,13 @@ std::vector<std::vector<geometry::Pose>> read_motion(const Reader& from, std::ui
 }
 
 ForeignFacts read_facts(const Reader& from, const std::string& path, std::uint64_t steps) {
-  const auto text = [&](const char* name) { return from.attribute<std::string>(path, name); };
   ForeignFacts facts;
-  facts.transport = text("transport");
-  facts.command = text("command");
-  facts.files = json_object(from, path, "files_sha256");
-  facts.version = text("version");
-  facts.language = text("language");
-  facts.precision = text("precision");
-  if (from.has_attribute(path, "tests")) facts.tests = text("tests");
-  if (from.has_attribute(path, "licence")) facts.licence = text("licence");
+  read_texts(from, path, kForeignTexts, facts);
   facts.threads = from.attribute<std::int64_t>(path, "threads");
-  facts.reason = text("reason");
   facts.steps_done = from.attribute<std::int64_t>(path, "steps_done");
-  const bool complete = one_of(from, path, "status", {"complete", "failed"}) == "complete";
+  const std::string status = from.attribute<std::string>(path, "status");
+  check_word(path, "status", status, {"complete", "failed"});
+  const bool complete = status == "complete";
   if (complete != facts.reason.empty() || facts.steps_done < 0 || std::uint64_t(facts.steps_done) > steps)
     throw h5::Failure("attributes of " + path + ": status, reason and steps_done do not fit each other");
   return facts;
@@ -137,26 +136,19 @@ std::vector<Answers> read_answers(const Reader& from, std::uint64_t steps, std::
     check_name("/algorithm", label);
     if (!known.insert(label).second) throw h5::Failure("/algorithm: '" + label + "' is there twice");
     const std::string path = "/answers/" + label;
-    const auto text = [&](const char* name) { return from.attribute<std::string>(path, name); };
     Answers answers;
     answers.label = label;
-    answers.name = text("name");
-    answers.knobs = json_object(from, path, "knobs");
-    answers.promise = one_of(from, path, "promise", {"none", "conservative", "exact"});
-    answers.thesis_key = text("thesis_key");
-    answers.operations_unit = text("operations_unit");
-    answers.scope = one_of(from, path, "scope", {"pair", "scene"});
-    if (from.has_attribute(path, "library")) answers.library = text("library");
+    read_texts(from, path, kAnswerTexts, answers);
+    check_word(path, "promise", answers.promise, {"none", "conservative", "exact"});
+    check_word(path, "scope", answers.scope, {"pair", "scene"});
     if (from.has_attribute(path, "transport")) answers.foreign = read_facts(from, path, steps);
-    answers.machine = {text("host"), text("processor"), text("build"), text("date")};
+    read_texts(from, path, kMachineTexts, answers.machine);
     const auto whole = [&](const char* name, auto& value) {
       using T = std::remove_reference_t<decltype(value)>;
       if (from.has_attribute(path, name)) value = static_cast<T>(from.attribute<std::int64_t>(path, name));
     };
     whole("pinned", answers.machine.pinned);
-    whole("setup_ns", answers.costs.setup_ns);
-    whole("memory_bytes", answers.costs.memory_bytes);
-    whole("memory_greatest_bytes", answers.costs.memory_greatest_bytes);
+    for (const auto& [name, cost, column] : kCosts) whole(name, answers.costs.*cost);
     answers.hits = from.pairs(path, steps, bodies);
     all.push_back(std::move(answers));
   }
@@ -183,20 +175,9 @@ void read_contained_inside(const Reader& from, Result& result) {
 }
 
 Provenance read_provenance(const Reader& from) {
-  const auto root = [&](const char* name) { return from.attribute<std::string>("/", name); };
-  const auto run = [&](const char* name) { return from.attribute<std::string>("/run", name); };
   Provenance out;
-  out.creator = root("creator");
-  out.git_commit = root("git_commit");
-  out.build_type = root("build_type");
-  out.compiler = root("compiler");
-  out.flags = root("flags");
-  out.library_versions = json_object(from, "/", "library_versions");
-  out.config_sha256 = root("config_sha256");
-  out.inputs_sha256 = json_object(from, "/", "inputs_sha256");
-  out.date = run("date");
-  out.host = run("host");
-  out.processor = run("processor");
+  read_texts(from, "/", kOriginTexts, out);
+  read_texts(from, "/run", kRunTexts, out);
   out.wall_time_s = from.attribute<double>("/run", "wall_time_s");
   return out;
 }

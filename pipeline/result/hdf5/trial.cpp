@@ -19,7 +19,7 @@ namespace {
 /// What an honest file may take to be read. HDF5's own tables and ours grow with the file (7 bytes a byte were seen, of
 /// 5,000 meshes); values are there as read, as poses, and as they are digested.
 constexpr std::uint64_t kFreeMemory = 256 << 20, kMemoryPerByte = 16, kMemoryPerValueByte = 6;
-// A processor ten times slower than today's inflates and digests so many bytes per second.
+// A processor ten times slower than today's inflates and digests this many bytes per second.
 constexpr std::uint64_t kSlowBytes = 4 << 20, kSlowValueBytes = 20 << 20;
 constexpr std::uint64_t kFreeSeconds = 2;
 

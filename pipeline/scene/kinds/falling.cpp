@@ -402,7 +402,7 @@ Scene make(const SceneConfig& config) {
 
 // ---- What is known beforehand ------------------------------------------------------------------------------------
 
-/// Seconds in which a body at rest falls so many metres against linear damping: y = g / c (t - (1 - exp(-c t)) / c).
+/// Seconds in which a body at rest falls this many metres against linear damping: y = g / c (t - (1 - exp(-c t)) / c).
 double fall_time(double metres, double gravity, double damping) {
   double low = 0, high = std::sqrt(2 * metres / gravity);
   const auto fallen = [&](double t) {
