@@ -45,11 +45,15 @@ constexpr double kStep = 4;                     // a step's truth and time
 constexpr double kAnswer = 10, kScripted = 4;   // a step of an algorithm: times, operations, counts
 constexpr double kHit = 0.33;                   // a reported pair
 constexpr double kMeshes = 0.4;                 // of a mesh larger than a few KiB, else all of it
+constexpr double kHeaped = 2.7;                 // pairs more a solid in a heap and step: heap.toml and cup.toml
 
-/// What the poses of a run are: coordinates that change from a step to the next, steps at which any do, and bodies
-/// that are there, over all steps. About as many pairs are reported as bodies that move are there.
+/// What the poses of a run are: coordinates that change from a step to the next, steps at which any do, bodies that
+/// are there, and pairs that a method reports, over all steps. Those are about as many as bodies that move are there,
+/// and more of solids in a heap: each has more neighbours, and boxes and balls about it have more than it has.
 struct Poses {
-  double changed = 0, rows = 0, moving = 0;
+  double changed = 0, rows = 0, moving = 0, heaped = 0;
+
+  double pairs() const { return moving + kHeaped * heaped; }
 };
 
 /// Foreseen: those to whom something happened change all seven, others that are there fall: one.
@@ -60,7 +64,11 @@ Poses foreseen_poses(const Config& config, const SceneSize& size) {
   bool born_later = false;
   for (const Ahead& event : config.scene_kind->ahead(config)) {
     born_later = born_later || event.times > 1;
-    for (std::uint64_t t = 0; t < event.before(steps); ++t) lively += double(event.bodies) * (steps - event.step(t));
+    for (std::uint64_t t = 0; t < event.before(steps); ++t) {
+      lively += double(event.bodies) * (steps - event.step(t));
+      if (size.contact_spheres > 0)
+        out.heaped += double(event.bodies) * std::max(0.0, steps - event.step(t) - event.lasts / 2);
+    }
   }
   out.moving = born_later ? lively : double(size.bodies) * steps;
   // Without friction nothing begins to turn, and the quaternion stays.
@@ -133,7 +141,7 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   const double chunk = std::min(steps, double(kChunkSteps));
   const double integrating = result - motion * chunk / steps + 2 * chunk * double(sizeof(BodyState)) * moving +
                              (config.physics.bodies == BodyModel::tree ? kTreeBody : kFreeBody) * moving + spheres;
-  result += steps * (config.scene_kind->integrated ? sizeof(PhysicsSample) : 0) + 32 * steps + 12 * poses.moving;
+  result += steps * (config.scene_kind->integrated ? sizeof(PhysicsSample) : 0) + 32 * steps + 12 * poses.pairs();
 
   const double chunks = std::ceil(steps / double(kChunkSteps));
   double hierarchies = 0;
@@ -144,7 +152,7 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
 
   // Gaps, about a pair a body with its two reals, are there twice while the chunks are joined.
   if (config.gap_margin) result += 2 * kGrown * (sizeof(geometry::Pair) + 2 * sizeof(double)) * poses.moving;
-  result += labels * steps * 80 + kGrown * sizeof(geometry::Pair) * poses.moving * labels;
+  result += labels * steps * 80 + kGrown * sizeof(geometry::Pair) * poses.pairs() * labels;
   double held = 0, methods = 0;  // set up one after another; of extremes one is there at a time
   for (const LabelPlan& label : plan.labels) {
     methods = std::max(methods, held + double(label.memory.greatest));
@@ -153,7 +161,7 @@ double memory_bytes(const Config& config, const SceneSize& size, const Plan& pla
   methods = std::max(methods, held);
   // A chunk of answers while it is written: it grows as a text.
   methods +=
-      2 * std::min(steps, double(kChunkSteps)) / steps * labels * (sizeof(geometry::Pair) * poses.moving + 80 * steps);
+      2 * std::min(steps, double(kChunkSteps)) / steps * labels * (sizeof(geometry::Pair) * poses.pairs() + 80 * steps);
 
   // Beside the result the columns, the file's image and a part of the motion at a time, as read from the result and as
   // HDF5 takes it.
@@ -220,7 +228,7 @@ Plan sizes(const Config& config, const SceneSize& size) {
 void add_bytes(const Config& config, const SceneSize& size, const Poses& poses, int threads, Plan& plan) {
   const double labels = double(config.algorithms.size());
   plan.result_bytes =
-      std::uint64_t(8 * motion_values(config, plan) + double(config.steps) * labels * 96 + 8 * poses.moving * labels);
+      std::uint64_t(8 * motion_values(config, plan) + double(config.steps) * labels * 96 + 8 * poses.pairs() * labels);
   plan.file_bytes = std::uint64_t(file_bytes(config, size, plan, poses));
   plan.memory_bytes = std::uint64_t(memory_bytes(config, size, plan, poses, threads));
 }

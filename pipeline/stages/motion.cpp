@@ -191,13 +191,16 @@ MotionTrial try_motion(const SceneConfig& config, const Scene& scene, std::vecto
     Integration integration(scene, config.physics, states, 0, 0);
     out.begin = processor_seconds() - start;
     const double before = processor_seconds();
-    double steps = 0;
+    double steps = 0, inner_steps = 0;
     PhysicsSample row;
     while (steps < 20 && processor_seconds() - before < seconds) {
       steps += kPart;
       if (!integration.advance_to(steps / config.rate, row, states).empty()) break;
+      inner_steps += double(row.integrator_steps);
     }
-    out.step = (processor_seconds() - before) / steps;
+    const double spent = processor_seconds() - before;
+    out.step = spent / steps;
+    out.inner = spent / std::max(1.0, inner_steps);
   } catch (const std::invalid_argument&) {  // said by the run itself
   }
   for (const BodyState& state : states) out.poses.push_back(pose_of(state));

@@ -34,6 +34,7 @@ std::optional<std::vector<std::vector<geometry::Pose>>> kept_poses(const SceneCo
 /// What a motion from some states costs at first, found by integrating for about `seconds`.
 struct MotionTrial {
   double begin = 0, step = 0;         // s, of beginning (as after every event and chunk) and of a step
+  double inner = 0;                   // s, of a step of the integrator
   std::vector<geometry::Pose> poses;  // B, at the end
 };
 MotionTrial try_motion(const SceneConfig& config, const Scene& scene, std::vector<BodyState> states, double seconds);

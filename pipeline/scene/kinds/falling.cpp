@@ -439,14 +439,22 @@ double ground(const FallingScene& falling, const FileMeshes& files, double x, do
   return out;
 }
 
-/// The same of the middle and the corners of a set's upper bodies.
-double ground(const FallingScene& falling, const FileMeshes& files, const FallingSet& set) {
+/// Where the upper bodies of a set are as the configuration has them: the middle of the lowest layer.
+std::array<double, 3> middle_of(const FallingScene& falling, const FallingSet& set) {
+  const double half = set.spacing / 2;
+  return {set.corner[0] + falling.shift + half * double(set.above[0] - 1), set.height,
+          set.corner[1] + falling.shift + half * double(set.above[2] - 1)};
+}
+
+/// The same of the middle and the corners of a set's upper bodies, `closer` times as far from the middle as they are.
+double ground(const FallingScene& falling, const FileMeshes& files, const FallingSet& set, double closer) {
   double out = 0;
   if (falling.obstacles.empty()) return out;
-  const double x = set.corner[0] + falling.shift, dx = set.spacing * double(set.above[0] - 1);
-  const double z = set.corner[1] + falling.shift, dz = set.spacing * double(set.above[2] - 1);
-  for (const auto& [i, k] : {std::pair{0., 0.}, {1., 0.}, {0., 1.}, {1., 1.}, {0.5, 0.5}})
-    out = std::max(out, ground(falling, files, x + i * dx, z + k * dz, set.height));
+  const auto& [x, top, z] = middle_of(falling, set);
+  const double dx = closer * set.spacing / 2 * double(set.above[0] - 1);
+  const double dz = closer * set.spacing / 2 * double(set.above[2] - 1);
+  for (const auto& [i, k] : {std::pair{-1., -1.}, {1., -1.}, {-1., 1.}, {1., 1.}, {0., 0.}})
+    out = std::max(out, ground(falling, files, x + i * dx, z + k * dz, top));
   return out;
 }
 
@@ -462,12 +470,22 @@ double radius_of(const FallingScene& falling, const FileMeshes& files, const Fal
   return sum / double(set.shapes.size());
 }
 
-/// Metres that the lowest of a set's upper spheres falls freely: to those that lie, beside them by `shift`, or to the
-/// plate.
-double drop(const FallingScene& falling, const FileMeshes& files, const FallingSet& set) {
-  const double r = radius_of(falling, files, set), aside = 2 * falling.shift * falling.shift;
+/// How much nearer to each other a set's upper bodies are when they are pressed together.
+double pressing(const FallingSet& set, double radius) {
+  constexpr double kSpheres = 2.02, kSolids = 2.45;  // radii from middle to middle
+  return std::min(1.0, (set.shapes.empty() ? kSpheres : kSolids) * radius / set.spacing);
+}
+
+/// Of the lowest of a set's upper spheres: it falls to those that lie, beside them by `shift`, or to the plate.
+Fall fall_of(const FallingScene& falling, const FileMeshes& files, const FallingSet& set) {
+  Fall out{.radius = radius_of(falling, files, set)};
+  const double r = out.radius, aside = 2 * falling.shift * falling.shift;
   const bool meets = set.lying[0] > 0 && set.lying[1] > 0 && aside < 4 * r * r;
-  return set.height - ground(falling, files, set) - r - (meets ? std::sqrt(4 * r * r - aside) : 0);
+  const double above = set.height - r - (meets ? std::sqrt(4 * r * r - aside) : 0);
+  out.drop = above - ground(falling, files, set, 1);
+  out.pressed = above - ground(falling, files, set, pressing(set, r));
+  out.most = out.drop + double(set.above[1] - 1) * std::max(0.0, set.spacing - 2 * r);
+  return out;
 }
 
 SceneSize size(const SceneConfig& config) {
@@ -477,8 +495,7 @@ SceneSize size(const SceneConfig& config) {
 
 std::vector<Fall> falls_of(const FallingScene& falling, const FileMeshes& files) {
   std::vector<Fall> out;
-  for (const FallingSet& set : falling.sets)
-    out.push_back({.radius = radius_of(falling, files, set), .drop = drop(falling, files, set)});
+  for (const FallingSet& set : falling.sets) out.push_back(fall_of(falling, files, set));
   return out;
 }
 
@@ -495,7 +512,8 @@ void complete(SceneConfig& config) {
 
 std::vector<Ahead> ahead(const SceneConfig& config) {
   const FallingScene& falling = config.keys<FallingScene>();
-  constexpr double kLively = 0.75;  // of the time of the fall; measured on the third set of padani.toml
+  // Of the time of the highest's fall, after its landing; measured on the third set of padani.toml, heap and cup.
+  constexpr double kLively = 0.75, kLivelySolids = 0.25;
   const std::vector<Fall> all = falls(falling);
   std::vector<Ahead> out;
   for (std::size_t s = 0; s < falling.sets.size(); ++s) {
@@ -504,25 +522,27 @@ std::vector<Ahead> ahead(const SceneConfig& config) {
     const std::uint64_t lying = std::uint64_t(set.lying[0] * set.lying[1]);
     const double metres = all[s].drop, gravity = -config.physics.gravity[1];
     if (spheres == 0) continue;
-    double step = 0;
-    if (metres > 0) {
+    double step = 0, last = 0;
+    if (all[s].most > 0) {
       if (!(gravity > 0)) continue;  // it never lands
-      step = config.rate * fall_time(metres, gravity, config.physics.linear_damping);
+      const auto landing = [&](double fallen) {
+        return config.rate * fall_time(std::max(fallen, 0.0), gravity, config.physics.linear_damping);
+      };
+      step = landing(metres);
+      last = landing(all[s].most);
     }
     const std::string noun =
         set.shapes.empty() ? (spheres == 1 ? " sphere" : " spheres") : (spheres == 1 ? " body" : " bodies");
     out.push_back({.what = "landing of set " + std::to_string(s + 1) + ", " + std::to_string(spheres) + noun,
                    .first = step,
                    .bodies = spheres + lying,
-                   .lasts = kLively * step});
+                   .lasts = last - step + (set.shapes.empty() ? kLively : kLivelySolids) * last});
   }
   return out;
 }
 
 /// Every set has just landed; pressed together, near pairs that do not meet cost answers the most.
 void hurry(const SceneConfig& config, std::vector<BodyState>& states, bool pressed) {
-  // Radii from middle to middle; other bodies than spheres stand further apart at first, and fall together.
-  constexpr double kPressed = 2.02, kTogether = 2.45;
   const FallingScene& falling = config.keys<FallingScene>();
   const double gravity = -config.physics.gravity[1];
   const std::vector<Fall> all = falls(falling);
@@ -530,18 +550,17 @@ void hurry(const SceneConfig& config, std::vector<BodyState>& states, bool press
   for (std::size_t s = 0; s < falling.sets.size(); ++s) {
     const FallingSet& set = falling.sets[s];
     body += std::size_t(set.lying[0] * set.lying[1]);
-    const std::array<double, 3> from{set.corner[0] + falling.shift, set.height, set.corner[1] + falling.shift};
-    const bool spheres = set.shapes.empty();
-    const double near = (spheres ? kPressed : kTogether) * all[s].radius / set.spacing;
-    const double metres = all[s].drop, closer = pressed || !spheres ? std::min(1.0, near) : 1;
+    const std::array<double, 3> from = middle_of(falling, set);
+    const Fall& fall = all[s];
+    const double metres = pressed ? fall.pressed : fall.drop, closer = pressed ? pressing(set, fall.radius) : 1;
     const std::size_t end = body + std::size_t(set.above[0] * set.above[1] * set.above[2]);
     for (; body < end; ++body) {
       if (!(metres > 0 && gravity > 0)) continue;
       for (std::size_t axis = 0; axis < 3; ++axis)
         states[body].position[axis] = from[axis] + closer * (states[body].position[axis] - from[axis]);
       states[body].position[1] -= metres;
-      // Half the speed, as if some of it were lost already.
-      states[body].velocity[1] = -std::sqrt(2 * gravity * metres) / 2;
+      // Half the speed of those in the middle, as if some of it were lost already.
+      states[body].velocity[1] = -std::sqrt(gravity * (fall.drop + fall.most)) / 2;
     }
   }
 }

@@ -41,8 +41,10 @@ struct FallingSet {
 
 /// What is foretold of a set, m.
 struct Fall {
-  double radius = 0;  // of its spheres; of other bodies half their side, on average
-  double drop = 0;    // that the lowest of those above falls freely
+  double radius = 0;   // of its spheres; of other bodies half their side, on average
+  double drop = 0;     // that the lowest of those above falls freely
+  double pressed = 0;  // that it would, were they pressed together
+  double most = 0;     // that the highest falls, onto those below it
 };
 
 /// kind = "falling": a fixed plate with its top at y = 0, obstacles, and sets of spheres or other bodies.
