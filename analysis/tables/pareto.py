@@ -11,9 +11,6 @@ from . import intervals
 from .intervals import Interval
 
 
-VAGUE = 1000  # an interval from one time to so many times it is as none
-
-
 @dataclass(frozen=True)
 class Scene:
     """Results that ask the same question: motion and truth are the same bit for bit, so errors compare.
@@ -100,9 +97,6 @@ def _points(runs):
                 | {"operations": row["operations"] / max(run.meta["steps"], 1)}
             )
     table = pd.DataFrame(rows)
-    if {"time_mean_low_ns", "time_mean_high_ns"} <= set(table):  # what reaches over a thousandfold tells nothing
-        vague = table.time_mean_high_ns > VAGUE * table.time_mean_low_ns
-        table.loc[vague, ["time_mean_low_ns", "time_mean_high_ns"]] = np.nan
     again = table.duplicated("label", keep=False)
     table.loc[again, "label"] = table.label[again] + " (" + table.file[again] + ")"
     again = table.duplicated("label", keep=False)  # the same file twice on different machines
