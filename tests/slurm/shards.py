@@ -11,10 +11,16 @@ from cluster import until
 
 LEASE = 3  # s
 SHARED = {"steps = 120": "steps = 300", "repeats = 1": "repeats = {repeats}"}  # of configs/smoke.toml
+# Workers wait for each other, so that both surely have a chunk at one time.
 PROGRAM = """#!/bin/sh
-if [ "$1" = work ]; then exec {pipeline} "$@" --lease {lease}; fi
+if [ "$1" = work ]; then
+  : >{gate}.$$
+  until [ -e {gate} ]; do sleep 0.1; done
+  exec {pipeline} "$@" --lease {lease}
+fi
 exec {pipeline} "$@"
 """
+REPEATS = 240  # a chunk takes seconds
 
 
 def shared(scratch, environment, sweep, ended, root, pipeline, say):
@@ -22,10 +28,10 @@ def shared(scratch, environment, sweep, ended, root, pipeline, say):
     text = (root / "configs" / "smoke.toml").read_text()
     for old, new in SHARED.items():
         assert old in text
-        text = text.replace(old, new.format(repeats=60))
-    config, program = scratch / "shared.toml", scratch / "sharing"
+        text = text.replace(old, new.format(repeats=REPEATS))
+    config, program, gate = scratch / "shared.toml", scratch / "sharing", scratch / "workers"
     config.write_text(text)
-    program.write_text(PROGRAM.format(pipeline=pipeline, lease=LEASE))
+    program.write_text(PROGRAM.format(pipeline=pipeline, lease=LEASE, gate=gate))
     program.chmod(0o755)
     folder = scratch / "shared"
     swept = sweep(folder, "--shards", "2", "--slurm", "-j", "4", what=config, program=program, environment=environment)
@@ -34,17 +40,21 @@ def shared(scratch, environment, sweep, ended, root, pipeline, say):
     part = folder / "points" / "shared.h5.part"
 
     def claimed():
-        """process -> chunk that it makes."""
+        """process -> chunk that it makes, of both workers."""
         found = {}
         for path in part.glob("answers-*.claim"):
             try:
                 found[json.loads(path.read_text())["process"]] = path
             except (OSError, ValueError):
                 pass  # it was given back
-        return found
+        return found if len(found) == 2 else None
 
-    until(lambda: len(claimed()) == 2, 180, lambda: (swept.poll(), list(part.glob("*"))))
-    (killed, chunk), (stopped, other) = claimed().items()
+    def told():
+        return swept.poll(), list(part.glob("*"))
+
+    until(lambda: len(list(scratch.glob("workers.*"))) == 2, 180, told)
+    gate.touch()
+    (killed, chunk), (stopped, other) = until(claimed, 60, told).items()
     os.kill(stopped, signal.SIGSTOP)
     os.kill(killed, signal.SIGKILL)
     say(f"both workers have a chunk; that of {chunk.stem} is killed, that of {other.stem} is stopped for two leases")
@@ -53,8 +63,8 @@ def shared(scratch, environment, sweep, ended, root, pipeline, say):
     os.kill(stopped, signal.SIGCONT)
     ended(swept, folder)
     assert swept.returncode == 0, swept.returncode
-    told = json.loads((folder / "sweep.json").read_text())["points"][0]
+    point = json.loads((folder / "sweep.json").read_text())["points"][0]
     digest = json.loads(plain.communicate()[0])["digest"]
-    assert told["status"] == "done" and told["digest"] == digest, told
+    assert point["status"] == "done" and point["digest"] == digest, point
     assert not part.exists()
     say(f"the shared run has the digest of the plain one, {digest}")
